@@ -6,6 +6,8 @@ module audits
    use geartrain_analyses_dependencies, only: keep_branches
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_base_plain_text, only: escaped
+   use geartrain_continuation_exact_point, only: branch_with_multipliers
+   use geartrain_model_long_period, only: refuse_long_period
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, hand_over, output_unit
    implicit none (type, external)
@@ -34,6 +36,7 @@ contains
             error%message = escaped(files(i)%name)//': error: nothing to audit: add &response'
             error%status = status_input
          end if
+         if (.not. allocated(error)) call check_audit(cases(i), files(i)%name, error)
          if (.not. allocated(error)) cycle
          call complain(error%message, lines=.true.)
          statuses(i) = error%status
@@ -45,6 +48,18 @@ contains
       !$omp end parallel do
       status = maxval(statuses)
    end subroutine audit_cases
+
+   !> Makes it an error, before the branches are computed, where their audit would be refused.
+   subroutine check_audit(case, name, error)
+      type(case_type), intent(in) :: case
+      !> Name of the case file.
+      character(*), intent(in) :: name
+      type(error_type), allocatable, intent(inout) :: error
+
+      call refuse_long_period(case%train, 'audit: solves anew over whole periods', 'take '//branch_with_multipliers, &
+                              case%response%stability .and. case%response%multipliers, error)
+      if (allocated(error)) error%message = escaped(name)//': error: '//error%message
+   end subroutine check_audit
 
    !> Computes the branches of a case and audits them, then tells what came of it in one piece.
    subroutine audit(name, alone, case, status)
@@ -100,6 +115,10 @@ contains
       character(:), allocatable :: table
 
       if (branch%points == 0) return
+      associate (rows => progress%forecast%audit_rows)
+         rows = min(points, branch%points)
+         if (allocated(branch%special_points)) rows = rows + size(branch%special_points)
+      end associate
       call audit_branch(case%train, branch, points, random_seed, found, error, progress)
       lines = lines//title//new_line('a')
       if (allocated(error)) then

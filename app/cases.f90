@@ -277,7 +277,7 @@ contains
             '.partial; the run begins anew'
          call hand_over()
       end if
-      call begin_progress(progress, job%case, shown=alone, results=results)
+      call begin_progress(progress, job%case, shown=alone, results=results, resumed=checkpoint /= '')
       call run_case(job%case, job%path, results, error, progress, checkpoint)
       if (allocated(error)) job%status = error%status
       !$omp critical (terminal)

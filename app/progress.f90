@@ -5,6 +5,7 @@ module progress
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
    use geartrain, only: case_type, dp, observer_type, results_type, speed_text
    use geartrain_analyses_analysis, only: analysis_type, spoken
+   use geartrain_analyses_forecast, only: forecast_type
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_list, only: analyses, find_analysis, number_of
    use geartrain_base_numbers, only: integer_text
@@ -30,11 +31,16 @@ module progress
       type(results_type), private, pointer :: results => null()
       !> Whether the natural frequencies have been told.
       logical, private :: modes_told = .false.
+      !> How long each analysis takes.
+      type(forecast_type) :: forecast
+      !> Stands for results where none are watched.
+      type(results_type), private :: none
    contains
       procedure :: on_step
       procedure :: on_trouble
       procedure :: clear
       procedure :: report_modes
+      procedure, private :: report_forecast
    end type progress_type
 
    interface
@@ -53,14 +59,20 @@ module progress
 
 contains
 
-   subroutine begin_progress(progress, case, shown, results)
+   subroutine begin_progress(progress, case, shown, results, resumed)
       type(progress_type), intent(out) :: progress
       type(case_type), intent(in), target :: case
       !> Whether it is told.
       logical, intent(in) :: shown
       !> Results under way, whose natural frequencies are reported at once.
       type(results_type), intent(in), target, optional :: results
+      !> Whether the run goes on from a checkpoint; absent: it does not.
+      logical, intent(in), optional :: resumed
+      logical :: goes_on
 
+      goes_on = .false.
+      if (present(resumed)) goes_on = resumed
+      call progress%forecast%start(goes_on)
       progress%shown = shown
       progress%overwrites = shown .and. isatty(standard_error) == 1
       call system_clock(progress%begin, progress%rate)
@@ -121,6 +133,8 @@ contains
       if (analysis == 'branch') self%branch_seconds = self%branch_seconds + seconds
       if (.not. self%shown .or. .not. keep_going) return
       if (associated(self%results)) call self%report_modes()
+      call self%report_forecast(analysis, done, frequency_ratio)
+      if (analysis == 'modes') return
       if (analysis == 'settling' .or. analysis == 'settling by time') then
          if (now - self%point < self%rate) return
       else
@@ -146,6 +160,25 @@ contains
          call complain(line//', after '//integer_text(int((now - self%begin)/self%rate))//' s')
       end if
    end subroutine on_step
+
+   !> Writes how long an analysis will take and what makes it long, once it is known.
+   subroutine report_forecast(self, analysis, done, frequency_ratio)
+      class(progress_type), intent(inout) :: self
+      !> As an observer gets them.
+      character(*), intent(in) :: analysis
+      integer, intent(in) :: done
+      real(dp), intent(in) :: frequency_ratio
+      character(:), allocatable :: sentence
+
+      if (associated(self%results)) then
+         call self%forecast%look(analysis, done, frequency_ratio, self%case, self%results, sentence)
+      else
+         call self%forecast%look(analysis, done, frequency_ratio, self%case, self%none, sentence)
+      end if
+      if (sentence == '') return
+      call self%clear()
+      call complain(sentence)
+   end subroutine report_forecast
 
    !> Writes what is known of the speed and the natural frequencies, once.
    subroutine report_modes(self)

@@ -189,6 +189,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: none
       type(special_point_type), allocatable :: onsets(:)
+      logical, allocatable :: assessed(:)
       integer :: n
 
       box%fields = none
@@ -212,6 +213,12 @@ contains
             call fields%expect('mesh', size(box%case%train%meshes))
             call fields%index_axis('motion', n, '')
             call visit_motions(box%motions, 'motion', fields)
+            assessed = box%motions%assessed
+            call carry(fields, field_type('assessed', 'motion'), assessed)
+            assessed = box%motions%assessed .and. box%motions%stable
+            call carry(fields, field_type('assessed_stable', 'motion'), assessed)
+            assessed = box%motions%assessed .and. box%motions%undecided
+            call carry(fields, field_type('assessed_undecided', 'motion'), assessed)
          case ('audit')
             call visit_audit(box%audit, fields)
          case ('gradient')

@@ -6,7 +6,12 @@ module geartrain_python_work
                         interrupt_by, locate_contact_edges, motion_gradient, motion_type, name_parameter, observer_type, &
                         onsets_of, period_doubled, refine, refine_branch, refine_motions, refine_special_points, results_type, &
                         solutions_at, special_gradient, special_point_type
+   use geartrain_analyses_forecast, only: forecast_type
+   use geartrain_base_error, only: fatal, status_input
+   use geartrain_continuation_exact_point, only: branch_with_multipliers
+   use geartrain_continuation_locus, only: refusal_of
    use geartrain_model_gradient, only: check_parameters
+   use geartrain_model_long_period, only: describe_period, refuse_long_period
    use geartrain_python_box, only: box_type
    use geartrain_run_room, only: room_type
    implicit none (type, external)
@@ -15,13 +20,18 @@ module geartrain_python_work
 
    !> Writes the progress where Python's waiting thread reads it, and stops when that thread asks for it.
    type, extends(observer_type) :: watch_type
-      !> 1: Python sets it to stop the work; 2: points done; 3: Lambda of the latest point.
+      !> 1: Python sets it to stop the work; 2: points done; 3: Lambda of the latest point; 4: length of the latest forecast, whose
+      !> characters follow as their codes.
       real(real64), pointer :: progress(:) => null()
-      !> The case and the results under way, which end the work where there is no memory for more; null: work that makes few.
+      !> The case and the results under way; null: work that makes few.
       type(case_type), pointer :: case => null()
       type(results_type), pointer :: results => null()
       !> Whether there is memory for more results.
       type(room_type) :: room
+      !> Whether it is this observer that ends the work where there is none.
+      logical :: measures = .false.
+      !> How long each analysis takes.
+      type(forecast_type) :: forecast
    contains
       procedure :: on_step
    end type watch_type
@@ -37,6 +47,7 @@ contains
       integer(int64), pointer :: flag
 
       watch%progress => progress
+      watch%forecast%in_python = .true.
       call c_f_pointer(c_loc(progress), flag)
       box%case%train%interrupt = interrupt_by(flag)
    end subroutine begin_watch
@@ -49,19 +60,30 @@ contains
       logical, intent(inout) :: keep_going
 
       real(real64), pointer, volatile :: progress(:)
+      character(:), allocatable :: sentence
+      integer :: i
 
       progress => self%progress
+      if (associated(self%results)) then
+         call self%forecast%look(analysis, done, frequency_ratio, self%case, self%results, sentence)
+         do i = 1, min(len(sentence), size(progress) - 4)
+            progress(4 + i) = iachar(sentence(i:i))
+         end do
+         if (sentence /= '') progress(4) = min(len(sentence), size(progress) - 4)
+      end if
+      if (analysis == 'modes') return
       ! The periods of the fundamental of a motion that settles are no points of the analysis.
       if (analysis /= 'settling' .and. analysis /= 'settling by time') progress(2) = done
       progress(3) = frequency_ratio
       if (progress(1) > 0) keep_going = .false.
-      if (associated(self%results) .and. keep_going) call self%room%look(analysis, self%case, self%results, keep_going)
+      if (self%measures .and. keep_going) call self%room%look(analysis, self%case, self%results, keep_going)
    end subroutine on_step
 
    !> Work on the box's branch: 'at' (its solutions at exactly the Lambda values(1) become the box's motions), 'refine', 'double'
    !> (the branch of twice the period at special point values(1) takes its place), 'audit' (values(1) of its points, which values(2)
    !> draws, and all special points), 'exact' (its special point values(1), or with values(2) = 1 its contact onset of this number,
-   !> becomes the box's exact point, and the motion of the exact point the box's motion); on the box's first motion, which the
+   !> becomes the box's exact point, and the motion of the exact point the box's motion); 'motions' and
+   !> 'locus' (only an error where a search for all motions, or a curve, is refused); on the box's first motion, which the
    !> result takes the place of: 'integrate' (at the Lambda values(1), from the motion if there is one) and 'shoot' (refine it).
    subroutine work(box, what, values, watch, error)
       type(box_type), intent(inout), target :: box
@@ -72,6 +94,8 @@ contains
       type(branch_type), allocatable :: doubled
       type(motion_type), pointer :: start
       type(motion_type) :: motion
+      character(:), allocatable :: period, refusal
+      integer :: cycles
 
       select case (what)
       case ('at')
@@ -80,7 +104,16 @@ contains
          if (box%case%train%interrupt%raised()) deallocate (box%motions)
          if (allocated(error) .or. .not. (allocated(box%results%response%correction) .and. allocated(box%motions))) return
          call refine_motions(box%case%train, box%results%response, values(1), box%motions, error)
+      case ('motions')
+         call refuse_long_period(box%case%train, 'motions: shoots over whole periods', 'use integrate', .false., error)
+      case ('locus')
+         call describe_period(box%case%train, 1, cycles, period)
+         call refusal_of(cycles, period, 'special point', refusal)
+         if (refusal /= '') call fatal(error, 'locus: '//refusal, status_input)
       case ('refine')
+         call refuse_long_period(box%case%train, 'refine: shoots over whole periods', 'take '//branch_with_multipliers, &
+                                 box%results%response%states > 0, error)
+         if (allocated(error)) return
          call refine_branch(box%case%train, box%results%response, error, watch)
          if (allocated(error) .or. box%results%response%cancelled) return
          call refine_special_points(box%case%train, box%results%response, watch)
@@ -100,6 +133,9 @@ contains
          call integrate(box%case%train, values(1), box%case%integration, motion, error, start, watch)
          if (.not. allocated(error)) box%motions = [motion]
       case ('shoot')
+         call refuse_long_period(box%case%train, 'refine: shoots over a whole period', &
+                                 'take a motion of '//branch_with_multipliers, allocated(box%motions(1)%multipliers), error)
+         if (allocated(error)) return
          call refine(box%case%train, box%motions(1), error)
       end select
    end subroutine work

@@ -97,7 +97,7 @@ subroutine run_analysis(handle, name, progress, status)
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: name
-   double precision, intent(inout), target :: progress(3)
+   double precision, intent(inout), target :: progress(404)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
@@ -114,6 +114,8 @@ subroutine run_analysis(handle, name, progress, status)
    if (allocated(box%motions)) start => box%motions(1)
    watch%results => box%results
    watch%case => box%case
+   watch%measures = .true.
+   call watch%forecast%start(resumed=.false.)
    call run(name, box%case, box%results, error, watch, start)
    if (watch%room%lacks .and. .not. allocated(error)) call out_of_memory(error)
    status = close_with(box, error)
@@ -129,7 +131,7 @@ subroutine do_work(handle, what, values, n, progress, status)
    character(*), intent(in) :: what
    integer, intent(in) :: n
    double precision, intent(in) :: values(n)
-   double precision, intent(inout), target :: progress(3)
+   double precision, intent(inout), target :: progress(404)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
@@ -156,7 +158,7 @@ subroutine find_gradient(handle, what, names, number, frequency, coefficients, t
    character(*), intent(in) :: what, names
    integer, intent(in) :: number, terms, meshes
    double precision, intent(in) :: frequency, coefficients(terms, meshes)
-   double precision, intent(inout), target :: progress(3)
+   double precision, intent(inout), target :: progress(404)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
@@ -181,7 +183,7 @@ subroutine sample_waveform(handle, periods, samples, meshes, shafts, progress, t
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: periods, samples, meshes, shafts
-   double precision, intent(inout), target :: progress(3)
+   double precision, intent(inout), target :: progress(404)
    double precision, intent(out) :: time(samples), torque(samples, shafts)
    double precision, dimension(samples, meshes), intent(out) :: displacement, velocity, force
    type(box_type), pointer :: box
@@ -205,7 +207,7 @@ subroutine run_all(handle, path, checkpoint, progress, status)
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: path, checkpoint
-   double precision, intent(inout), target :: progress(3)
+   double precision, intent(inout), target :: progress(404)
    integer, intent(out) :: status
    type(box_type), pointer :: box
    type(error_type), allocatable :: error
@@ -217,6 +219,9 @@ subroutine run_all(handle, path, checkpoint, progress, status)
    status = close_with(box, error)
    if (status /= 0) return
    call begin_watch(watch, box, progress)
+   watch%results => box%results
+   watch%case => box%case
+   call watch%forecast%start(resumed=checkpoint /= '')
    call run_case(box%case, path, box%results, error, watch, checkpoint)
    status = close_with(box, error)
 end subroutine run_all

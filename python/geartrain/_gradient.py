@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ._box import Box
 from ._warn import warn
-from ._watch import watched
+from ._watch import quiet, watched
 from .errors import InputError, NotDifferentiableWarning, shown
 
 __all__ = ["gradient_of", "refuse_without_effect"]
@@ -43,7 +43,7 @@ def refuse_without_effect(box: Box, parameters: Sequence[str]) -> None:
     """Refuse parameters without effect in the train of a box, which is closed; other problems are told elsewhere."""
     with box:
         try:
-            box.gradient("/parameters", "\n".join(parameters), np.zeros(3), 0, 0.0, np.zeros((1, 1)))
+            box.gradient("/parameters", "\n".join(parameters), quiet(), 0, 0.0, np.zeros((1, 1)))
         except InputError as error:
             told = [line for line in str(error).splitlines() if "what would follow from it" in line]
             if told:

@@ -16,6 +16,7 @@ from ._box import Box
 from ._motion_table import motions_of, put_motions
 from ._orbit import least_period, replace_period, same_orbit
 from ._units import Unit, lambda_of
+from ._watch import quiet
 from .branch import Branch
 from .errors import InputError, SolverError, shown
 from .motion import Motion, from_state
@@ -62,6 +63,7 @@ def find_motions(
     if isinstance(frequency, bool) or not isinstance(frequency, Real) or not 0 < frequency < float("inf"):
         raise InputError(f"frequency = {shown(frequency)}: must be a number > 0")
     at = lambda_of(train, float(frequency), unit)
+    train._refuse("motions")
     return _search(train, at, int(period), int(starts), int(seeds), int(random_seed), response)
 
 
@@ -129,7 +131,7 @@ class _Known:
     def _orbit(self, box: Box) -> Motion | None:
         """What shooting from the motion in a box finds."""
         try:
-            box.check(box.work("shoot", np.zeros(3)))
+            box.check(box.work("shoot", quiet()))
         except SolverError:
             return None
         return Motion(train=self.train, **motions_of(box)[0])

@@ -40,6 +40,8 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
     there = ~np.isnan(coefficients).all(axis=0)
     multipliers, state = (None if row.get(name) is None or np.isnan(row[name]).all() else row[name]
                           for name in ("multipliers", "initial_state"))
+    # By the growth rate over a part of a long period, without multipliers.
+    assessed = bool(row.get("assessed", False))
     return {
         **{name: row.get(name, nothing) for name in VALUES},
         **{name: row.get(name) for name in TORQUES},
@@ -50,8 +52,8 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
         "period": int(row["period"]),
         "kind": row["kind"],
         "coefficients": coefficients[:, there] if there.any() else nothing[:, np.newaxis],
-        "stable": None if multipliers is None else bool(row["stable"]),
-        "undecided": bool(row.get("undecided", False)),
+        "stable": bool(row["stable"]) if multipliers is not None else bool(row["assessed_stable"]) if assessed else None,
+        "undecided": bool(row["assessed_undecided"] if assessed else row.get("undecided", False)),
         "floating": bool(row.get("floating", False)),
         "multipliers": multipliers,
         "state": state,
@@ -61,6 +63,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
 _FIELDS = {
     *VALUES, *TORQUES, *UNCERTAINTIES, *NUMBERS, "window",
     *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
+    *("assessed", "assessed_stable", "assessed_undecided"),
 }
 
 

@@ -17,7 +17,7 @@ from ._extras import missing
 from ._warn import warn
 from .errors import Interrupted
 
-__all__ = ["progress_bar", "watched"]
+__all__ = ["progress_bar", "quiet", "watched"]
 
 Result = TypeVar("Result")
 
@@ -39,8 +39,8 @@ def watched(
     ----------
     work : callable
         Called in another thread with the progress: ``progress[0]``, once it is not zero, tells it to stop, in the midst of a
-        step; it keeps the number of points done in ``progress[1]`` and Lambda of the latest in ``progress[2]``. It must release
-        the global lock.
+        step; it keeps the number of points done in ``progress[1]`` and Lambda of the latest in ``progress[2]``. ``progress[3]``
+        is the length of the latest forecast, whose characters follow as their codes. It must release the global lock.
     name : str
         What the bar is called.
     total : int, optional
@@ -55,7 +55,7 @@ def watched(
     Interrupted
         On Ctrl-C, once the work has stopped; its ``result`` is what the work returned. On a second Ctrl-C at once, without it.
     """
-    progress = np.zeros(3)
+    progress = quiet()
     done = threading.Event()
     result: Result | None = None
     failure: BaseException | None = None
@@ -73,6 +73,7 @@ def watched(
     interrupted = False
     wanted = True
     bar = None
+    told = ""
     begin = time.monotonic()
     try:
         thread.start()
@@ -85,6 +86,7 @@ def watched(
                 if bar is not None:
                     bar.n = int(progress[1])
                     bar.set_postfix_str(f"{value} = {progress[2]:.4g}")
+                    told = _tell(bar, progress, told)
             except (KeyboardInterrupt, OSError, ValueError, RuntimeError) as stop:
                 if not isinstance(stop, KeyboardInterrupt):
                     wanted, bar = False, None  # standard error is lost, and the bar with it
@@ -112,6 +114,19 @@ def watched(
     if failure is not None:
         raise failure
     return cast(Result, result)
+
+
+def quiet() -> NDArray[np.float64]:
+    """The progress of work, as `watched` passes it on; by itself for work that nobody watches."""
+    return np.zeros(404)
+
+
+def _tell(bar: Any, progress: NDArray[np.float64], told: str) -> str:
+    """Write the latest forecast above the bar, once; the forecast."""
+    forecast = "".join(map(chr, progress[4 : 4 + int(progress[3])].astype(int)))
+    if forecast and forecast != told and not bar.disable:
+        bar.write(forecast, file=sys.stderr)
+    return forecast
 
 
 def progress_bar(name: str, total: int | None, begin: float, unit: str) -> Any:

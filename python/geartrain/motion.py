@@ -17,7 +17,7 @@ from ._motion_check import check_motion, check_states
 from ._motion_table import INTEGRATION, motions_dataset, motions_of, put_motions
 from ._units import hertz_of, speed_of
 from ._warn import warn
-from ._watch import watched
+from ._watch import quiet, watched
 from .description import Description
 from .errors import InputError, SolverError, shown
 from .motion_plot import Pictures
@@ -67,7 +67,7 @@ class Motion(Pictures):
     coefficients : ndarray, (meshes, 1 + 2*harmonics)
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/period, or Lambda/window.
     stable : bool or None
-        None where no multipliers were asked for; ``refine`` finds them.
+        None where no multipliers were asked for; ``refine`` finds them. Known without multipliers on a branch of long period.
     undecided : bool
         ``stable`` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
     floating : bool
@@ -247,7 +247,7 @@ class Motion(Pictures):
 
     def _sample(self, samples: int, periods: int = 0, progress: Array | None = None) -> tuple[Array, ...]:
         """Time, displacement, mesh force, shaft torque and velocity, over a period or over periods of the fundamental."""
-        watch = np.zeros(3) if progress is None else progress
+        watch = quiet() if progress is None else progress
         with self._box() as box:
             time, displacement, velocity, force, torque = fortran.sample_waveform(
                 box.handle, periods, samples, len(self.rms), len(self.train.shafts) if self.train else 0, watch

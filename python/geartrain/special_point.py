@@ -27,8 +27,9 @@ class SpecialPoint:
     Attributes
     ----------
     kind : str
-        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'``, ``'branch point'`` or, of motions of long period,
-        ``'stability change'``; of a contact onset ``'separation'`` or ``'back contact'``.
+        ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``; on a branch of long period without
+        multipliers ``'stability change'``, where the growth rate passes 0; of a contact onset ``'separation'`` or
+        ``'back contact'``.
     frequency : float
         Lambda.
     point : int

@@ -17,7 +17,7 @@ from ._motion_table import motions_of, put_motions
 from ._namelist import in_words_of_the_call
 from ._units import Unit, lambda_of, units_of
 from ._variable import takes
-from ._watch import watched
+from ._watch import quiet, watched
 from .attractors import Attractors
 from .basins import Basins
 from .bifurcation_diagram import BifurcationDiagram
@@ -508,7 +508,7 @@ class Train(Description):
 
     def lyapunov_spectrum(
         self, frequency: float, *, unit: Unit = "Lambda", start: Motion | ArrayLike | None = None, transient: int = 500,
-        periods: int = 4000,
+        periods: int = 4000, long_period: bool = False,
     ) -> LyapunovSpectrum:
         """All Lyapunov exponents of what the flow does in the long run, and its sections.
 
@@ -523,6 +523,8 @@ class Train(Description):
             Periods of the fundamental before the average, and those averaged over; where the average drifts, the last part of them
             whose halves agree. Where the kind is ``'undecided'`` more of them decide. A chaotic transient that lasts longer than
             both is taken for the attractor.
+        long_period : bool
+            Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth.
 
         Returns
         -------
@@ -544,7 +546,8 @@ class Train(Description):
         """
         try:
             found = self._diagram(start, "start", {"start": frequency, "stop": frequency, "unit": unit, "points": 1,
-                                                   "direction": "up", "transient": transient, "sections": periods})
+                                                   "direction": "up", "transient": transient, "sections": periods,
+                                                   "long_period": long_period})
         except InputError as error:
             told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency", "sections": "periods"})
             told = told.replace("&bifurcation_diagram", "lyapunov_spectrum")
@@ -755,6 +758,8 @@ class Train(Description):
         """
         if not isinstance(special, (SpecialPoint, ExactPoint)):
             raise InputError(f"special = {shown(special)}: must be a special point, one of a branch's special_points or onsets")
+        if isinstance(special, SpecialPoint):
+            self._refuse("locus")  # before the special point is made exact, which may take minutes
         exact = special.exact() if isinstance(special, SpecialPoint) else special
         settings = {"kind": exact.kind.replace(" ", "_"), "near": exact.frequency, "mesh": exact.mesh or 0,
                     "parameter": parameter, "start": start, "stop": stop}
@@ -781,6 +786,11 @@ class Train(Description):
             parts: [kind(**values) for name, values in groups if name == group] for group, (parts, kind) in PARTS.items()
         }
         return cls(**dict(groups)["train"], **lists)
+
+    def _refuse(self, what: str) -> None:
+        """Raise `InputError` where the period is too long for ``'motions'`` or for a ``'locus'``."""
+        with Box(copy=self._kept) as box:
+            box.check(box.work(what, quiet()))
 
     @staticmethod
     def _put_start(box: Box, start: Motion | ArrayLike | None, what: str) -> None:

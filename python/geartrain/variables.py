@@ -134,6 +134,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which an unsettled start is given up; >= 1"),
         "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
         "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every motion"),
+        "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "basins": {
         "frequency": Variable("frequency", "real", "float", None, True, "Lambda, or in `unit; > 0"),
@@ -148,6 +149,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "starts": Variable("starts", "integer", "int", 200, False, "Random starts that find the motions first, as of &attractors; >= 1 and <= 1.0e6"),
         "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same random starts"),
         "max_periods": Variable("max_periods", "integer", "int", 500, False, "Periods of the fundamental after which a start that goes to no known motion is settled the long way, and given up after 64 more; >= 1"),
+        "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "bifurcation_diagram": {
         "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
@@ -157,6 +159,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "direction": Variable("direction", "text", "Literal['up', 'down', 'both']", "both", False, "Order in which the frequencies are visited, each starting from the last state before; 'up', 'down' or 'both'"),
         "transient": Variable("transient", "integer", "int", 500, False, "Periods of the fundamental before the sections of a frequency; >= 0"),
         "sections": Variable("sections", "integer", "int", 200, False, "Sections of a frequency, one at phase 0 of each period of the fundamental; >= 10 and <= 100000"),
+        "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "stability_map": {
         "start": Variable("from", "real", "float", None, True, "One end of the range of Lambda; > 0"),
@@ -169,6 +172,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "parameter_points": Variable("parameter_points", "integer", "int", 200, False, "Values of the parameter in the range, both ends included; >= 1 and <= 10000"),
         "linear": Variable("linear", "logical", "bool", False, False, "The train without backlash, all teeth in contact: where its parametric resonances are; else the motions on the branch of every row"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda of the motions; not used by a linear map; >= 1 and <= 1000"),
+        "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "run_up": {
         "start": Variable("from", "real", "float", None, True, "Frequency at the beginning, in the `unit`; > 0"),
@@ -361,6 +365,7 @@ class AttractorsKeywords(TypedDict, total=False):
     max_periods: int
     tolerance: float
     stability: bool
+    long_period: bool
 
 
 class BasinsKeywords(TypedDict, total=False):
@@ -374,6 +379,7 @@ class BasinsKeywords(TypedDict, total=False):
     starts: int
     random_seed: int
     max_periods: int
+    long_period: bool
 
 
 class BifurcationDiagramKeywords(TypedDict, total=False):
@@ -386,6 +392,7 @@ class BifurcationDiagramKeywords(TypedDict, total=False):
     direction: Literal["up", "down", "both"]
     transient: int
     sections: int
+    long_period: bool
 
 
 class StabilityMapKeywords(TypedDict, total=False):
@@ -401,6 +408,7 @@ class StabilityMapKeywords(TypedDict, total=False):
     parameter_points: int
     linear: bool
     harmonics: int
+    long_period: bool
 
 
 class RunUpKeywords(TypedDict, total=False):

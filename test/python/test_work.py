@@ -115,7 +115,7 @@ def test_global_lock_is_free_meanwhile(train):
     thread = threading.Thread(target=tick)
     text = train.namelist(response={"start": 0.2, "stop": 2.6, "harmonics": 12})
     with _box.Box(text) as box:
-        progress = np.zeros(3)
+        progress = _watch.quiet()
         thread.start()
         begin = time.perf_counter()
         box.run("response", progress)

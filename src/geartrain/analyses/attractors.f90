@@ -26,6 +26,7 @@ module geartrain_analyses_attractors
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
+   use geartrain_model_long_period, only: check_long_period, visit_long_period
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    use geartrain_model_units, only: mesh_frequencies
@@ -61,6 +62,8 @@ module geartrain_analyses_attractors
       real(dp) :: tolerance = 1e-9_dp
       !> Whether the Floquet multipliers of each motion are computed.
       logical :: stability = .true.
+      !> Whether they are looked for even where the period is long.
+      logical :: long_period = .false.
    end type attractors_settings_type
 
    !> The attractors that random starts settled on.
@@ -118,6 +121,7 @@ contains
       call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
                          above=zero, most=one), settings%tolerance)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every motion'), settings%stability)
+      call visit_long_period(settings%long_period, v)
       call v%leave()
    end subroutine visit_variables
 
@@ -148,6 +152,7 @@ contains
          call check_unit(train, settings%unit, checker)
          call check_frequency(train, 'frequency', settings%frequency, checker, settings%unit)
          if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+         call check_long_period(train, 'attractors', 'every start flies over many periods', settings%long_period, checker)
          call checker%leave()
       end associate
    end subroutine check

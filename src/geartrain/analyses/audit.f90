@@ -11,9 +11,11 @@ module geartrain_analyses_audit
    use geartrain_base_random, only: begin_random, generator_type
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_decided, only: rests_on_undecided
+   use geartrain_continuation_exact_point, only: branch_with_multipliers
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_continuation_points, only: repeats_of
    use geartrain_model_check, only: check_train
+   use geartrain_model_long_period, only: refuse_long_period
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -56,6 +58,9 @@ contains
          call fatal(error, 'audit: of a branch over a frequency, not over a parameter')
          return
       end if
+      call refuse_long_period(train, 'audit: solves anew over whole periods', 'take '//branch_with_multipliers, &
+                              branch%states > 0, error)
+      if (allocated(error)) return
       call build_system(train, system)
       chosen = draw(branch, points, random_seed)
       n = size(chosen)

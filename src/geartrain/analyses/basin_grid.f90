@@ -11,6 +11,7 @@ module geartrain_analyses_basin_grid
    use geartrain_flow_fields, only: visit_motions
    use geartrain_model_frequency_unit, only: check_unit, unit_length, visit_unit
    use geartrain_model_limits, only: check_frequency
+   use geartrain_model_long_period, only: check_long_period, visit_long_period
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -38,6 +39,8 @@ module geartrain_analyses_basin_grid
       integer :: starts = 200, random_seed = 0
       !> Periods of the fundamental after which a start is not recognised any more.
       integer :: max_periods = 500
+      !> Whether they are found even where the period is long.
+      logical :: long_period = .false.
    end type basins_settings_type
 
    !> Basins of attraction.
@@ -100,6 +103,7 @@ contains
       call v%on_integer(row('random_seed', '', 'the same seed gives the same random starts'), settings%random_seed)
       call v%on_integer(row('max_periods', '', 'periods of the fundamental after which a start that goes to no known motion is &
                             &settled the long way, and given up after 64 more', least=one), settings%max_periods)
+      call visit_long_period(settings%long_period, v)
       call v%leave()
    end subroutine visit_basins
 
@@ -118,6 +122,7 @@ contains
       call check_frequency(train, 'frequency', settings%frequency, checker, settings%unit)
       call check_range('displacement', settings%displacement_start, settings%displacement_stop, settings%displacement_points)
       call check_range('velocity', settings%velocity_start, settings%velocity_stop, settings%velocity_points)
+      call check_long_period(train, 'basins', 'every start flies over many periods', settings%long_period, checker)
       if (.not. checker%problems%of_train()) call check_mesh()
       call checker%leave()
 

@@ -181,6 +181,7 @@ contains
       random%unit = settings%unit
       random%starts = settings%starts
       random%random_seed = settings%random_seed
+      random%long_period = settings%long_period
       call attractors(train, random, by_chance, error)
       if (allocated(error) .or. train%interrupt%raised()) return
       found%frequency_ratio = by_chance%frequency_ratio

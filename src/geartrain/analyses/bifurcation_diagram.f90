@@ -21,6 +21,7 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_model_limits, only: check_frequency
+   use geartrain_model_long_period, only: check_long_period, visit_long_period
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -47,6 +48,8 @@ module geartrain_analyses_bifurcation_diagram
       character(16) :: direction = 'both'
       !> Periods of the fundamental before the sections of a frequency; sections.
       integer :: transient = 500, sections = 200
+      !> Whether it is computed even where the period is long.
+      logical :: long_period = .false.
    end type bifurcation_diagram_settings_type
 
    !> A bifurcation diagram; a row is a frequency of a direction, in the order visited.
@@ -107,6 +110,7 @@ contains
                            settings%transient)
          call v%on_integer(row('sections', '', 'sections of a frequency, one at phase 0 of each period of the fundamental', &
                                least=10*one, most=most_sections), settings%sections)
+         call visit_long_period(settings%long_period, v)
          call v%leave()
       end associate
    end subroutine visit_variables
@@ -129,6 +133,7 @@ contains
          call check_unit(train, settings%unit, checker)
          call check_frequency(train, 'from', settings%start, checker, settings%unit)
          call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         call check_long_period(train, 'bifurcation_diagram', 'every section is a period later', settings%long_period, checker)
          call checker%leave()
       end associate
    end subroutine check

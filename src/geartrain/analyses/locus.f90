@@ -15,11 +15,12 @@ module geartrain_analyses_locus
    use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of
-   use geartrain_continuation_locus, only: find_path, trace_locus
+   use geartrain_continuation_locus, only: find_path, refusal_of, trace_locus
    use geartrain_continuation_locus_result, only: double_point_type, locus_type
    use geartrain_flow_fields, only: about_frequency, about_multipliers
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_model_long_period, only: describe_period
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -127,10 +128,18 @@ contains
       subroutine check_path()
          type(parameter_path_type) :: path
          type(error_type), allocatable :: wrong
+         character(:), allocatable :: period, refusal
+         integer :: cycles
 
          ! What is wrong with the train is told elsewhere.
          call check_train(train, wrong)
          if (allocated(wrong) .or. seeded) return
+         call describe_period(train, 1, cycles, period)
+         call refusal_of(cycles, period, replaced(self%settings%kind), refusal)
+         if (refusal /= '') then
+            call checker%problems%add(refusal, 'locus', 1)
+            return
+         end if
          call find_path(train, self%settings%parameter, self%settings%near*lambda_per(train, self%settings%unit), &
                         self%settings%start, self%settings%stop, path, wrong)
          if (allocated(wrong)) call checker%complain('parameter', "'"//trim(self%settings%parameter)//"'", wrong%message)
@@ -159,8 +168,7 @@ contains
       character(16) :: kind
 
       if (allocated(self%result%ended)) return
-      kind = self%settings%kind
-      if (index(kind, '_') > 0) kind(index(kind, '_'):index(kind, '_')) = ' '
+      kind = replaced(self%settings%kind)
       if (present(start)) then
          motion = start
       else
@@ -176,6 +184,16 @@ contains
       call told%of_words(self%result%ended, ended)
       self%result%ended = ended
    end subroutine run
+
+   !> A kind as special points have it, with a blank.
+   pure character(16) function replaced(kind)
+      character(16), intent(in) :: kind
+      integer :: place
+
+      replaced = kind
+      place = index(kind, '_')
+      if (place > 0) replaced(place:place) = ' '
+   end function replaced
 
    !> Finds the special point of the exact motion near that of the response that is nearest to `near`.
    subroutine find_start(self, train, kind, motion, error)

@@ -52,7 +52,13 @@ contains
       class(observer_type), intent(inout) :: observer
       type(motion_type), intent(in), optional :: start
 
+      logical :: keep_going
+
       call natural_modes(train, self%result, error)
+      if (allocated(error)) return
+      ! The observer may show them at once: what follows may take long.
+      keep_going = .true.
+      call observer%on_step('modes', size(self%result%natural_frequency), 0.0_dp, keep_going)
    end subroutine run
 
    subroutine tell_end(self, complete, ended)

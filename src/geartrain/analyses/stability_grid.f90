@@ -14,6 +14,7 @@ module geartrain_analyses_stability_grid
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: check_unit, unit_length, visit_unit
    use geartrain_model_limits, only: check_common_period, check_frequency, check_harmonics
+   use geartrain_model_long_period, only: check_long_period, visit_long_period
    use geartrain_model_parameter, only: largest_variation
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -47,6 +48,8 @@ module geartrain_analyses_stability_grid
       logical :: linear = .false.
       !> Harmonics of the branch of each row, as in &response; not used by a linear map.
       integer :: harmonics = 6
+      !> Whether it is computed even where the period is long.
+      logical :: long_period = .false.
    end type stability_map_settings_type
 
    !> A row of a map: components as in stability_map_type without the last index; not allocated where the row is not done.
@@ -119,6 +122,7 @@ contains
                             &are; else the motions on the branch of every row'), settings%linear)
       call v%on_integer(row('harmonics', '', 'harmonics R of Lambda of the motions; not used by a linear map', least=one, &
                             most=most_harmonics*one), settings%harmonics)
+      call visit_long_period(settings%long_period, v)
       call v%leave()
    end subroutine visit_stability_map
 
@@ -163,6 +167,8 @@ contains
       call check_frequency(train, 'from', settings%start, checker, settings%unit)
       call check_frequency(train, 'to', settings%stop, checker, settings%unit)
       call check_common_period(train, 'stability_map', checker, within)
+      if (within) call check_long_period(train, 'stability_map', 'every point takes multipliers over a period', &
+                                         settings%long_period, checker)
       if (within .and. .not. settings%linear) call check_harmonics(train, settings%harmonics, 1, 0, checker)
       if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
          call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &

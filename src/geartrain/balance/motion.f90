@@ -43,6 +43,8 @@ module geartrain_balance_motion
       complex(dp), allocatable :: repetition_multipliers(:)
       !> All multipliers are inside the unit circle by more than their rounding.
       logical :: stable = .false.
+      !> `stable` and `undecided` are known without multipliers, by the growth rate over a part of a long period.
+      logical :: assessed = .false.
       !> `stable` is a guess: the largest multiplier is as near to the unit circle as it is uncertain.
       logical :: undecided = .false.
       !> Some mesh bears on neither flank, and no mean torque holds the mesh in its place in the gap: its mean position is not

@@ -8,7 +8,7 @@ module geartrain_continuation_branch
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, &
       about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, &
-      carry_torques, coefficient_axis, on_multipliers, on_stability
+      carry_torques, coefficient_axis, on_stability
    use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
@@ -116,8 +116,8 @@ module geartrain_continuation_branch
 
    !> A branch of periodic motions; arrays over the points may be longer than `points`.
    type :: branch_type
-      !> Numbers of points, meshes, shafts, multipliers of a point (of a train of many states the leading multipliers) and harmonics
-      !> in use; period of the motions in periods of the fundamental.
+      !> Numbers of points, meshes, shafts, multipliers of a point (of many states the leading ones; 0 where the period is long) and
+      !> harmonics in use; period of the motions in periods of the fundamental.
       integer :: points = 0, meshes = 0, shafts = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
@@ -144,11 +144,11 @@ module geartrain_continuation_branch
       !> Floquet multipliers over one repetition of the waveform, (state, point), of which `multipliers` are powers; allocated where
       !> the motions repeat themselves within the period and stability was asked for.
       complex(dp), allocatable :: repetition_multipliers(:, :)
-      !> Whether all perturbations die out, and the rate of the slowest [1/s], (point); not allocated: stability was not asked for.
+      !> Whether all perturbations die out, (point); not allocated: stability was not asked for.
       logical, allocatable :: stable(:)
+      !> Rate of the slowest of them, the real part of the largest Floquet exponent [1/s], (point).
       real(dp), allocatable :: growth_rate(:)
-      !> Whether `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain, (point), see
-      !> geartrain_continuation_stability_assessment.
+      !> Whether `stable` is a guess, (point), see geartrain_continuation_stability_assessment.
       logical, allocatable :: undecided(:)
       !> Second estimate of the largest magnitude of a multiplier, (point); negative: not needed.
       real(dp), allocatable :: second_estimate(:)
@@ -160,24 +160,23 @@ module geartrain_continuation_branch
       !> Relative change of the waveform by refine_branch [1], (point), which is the error before refinement; negative: the point
       !> was not refined; not allocated: refinement was not asked for.
       real(dp), allocatable :: correction(:)
-      !> Whether `error_estimate` may be off by more than a small factor, (point): the error moves a fold nearby by about its
-      !> distance, a contact begins or ends within the error, or the error is larger than 0.1.
+      !> Whether `error_estimate` may be off by more than a small factor, (point), as near a fold, near grazing, or above 0.1.
       logical, allocatable :: estimate_doubtful(:)
       !> Harmonics that each point was solved with, at most `harmonics`, (point).
       integer, allocatable :: point_harmonics(:)
       !> Number of the segment of a point, (point). A new segment begins where the branch comes back from above the amplitude limit,
       !> and with the points traced from `stop` where the trace from `start` does not reach `stop`.
       integer, allocatable :: segment(:)
+      !> Time spent so far on the stability of its points [s]; no result.
+      real(dp) :: verdict_seconds = 0
       !> Folds and bifurcations, in the order found.
       type(special_point_type), allocatable :: special_points(:)
       !> Edges of separation and back collision; not allocated until locate_contact_edges fills the array.
       type(contact_edge_type), allocatable :: contact_edges(:)
       !> Why the trace ended, in words; not allocated: the trace is under way.
       character(:), allocatable :: ended
-      !> Whether the branch got to the other end of the range or closed; whether it closed.
-      logical :: complete = .false., closed = .false.
-      !> Whether the observer ended the trace.
-      logical :: cancelled = .false.
+      !> Whether the branch got to the other end of the range or closed; whether it closed; whether the observer ended the trace.
+      logical :: complete = .false., closed = .false., cancelled = .false.
       !> What the branch follows from, in words; not allocated for the response itself.
       character(:), allocatable :: origin
       !> State of the trace; allocated while the response is under way.
@@ -427,6 +426,8 @@ contains
       type(branch_type), intent(inout) :: branch
       class(fields_type), intent(inout) :: fields
 
+      if (fields%has('multipliers', branch%states > 0)) call fields%index_axis('state', branch%states, &
+         'number of the multiplier, in no order that holds between points')
       call carry(fields, row('stable', 'point', '1', about_stable, on_stability), branch%stable)
       call carry(fields, row('undecided', 'point', '1', about_undecided, on_stability), branch%undecided)
       call carry(fields, row('growth_rate', 'point', '1/s', about_growth_rate, on_stability), branch%growth_rate)
@@ -436,11 +437,9 @@ contains
                              &motion corrected by its estimated error; NaN where it was not needed: no contact event, none that &
                              &can move it across the unit circle, or undecided anyway', on_stability, none_is_negative=.true.), &
                  branch%second_estimate)
-      if (fields%has('multipliers', branch%states > 0)) then
-         call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
-         call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
-                                &(41 flexible shafts) or more the 16 of largest magnitude', on_multipliers), branch%multipliers)
-      end if
+      if (fields%has('multipliers', branch%states > 0)) call carry(fields, row('multipliers', 'point state complex', '1', &
+         about_multipliers//'; of a train of 160 states (41 flexible shafts) or more the 16 of largest magnitude', on_stability// &
+         ', where a period has at most 500 cycles of any mesh, or with `multipliers`'), branch%multipliers)
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
                                 &the waveform, of which `multipliers` are powers', on_stability//', where all orders have a &

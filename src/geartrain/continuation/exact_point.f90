@@ -20,11 +20,12 @@ module geartrain_continuation_exact_point
    use geartrain_flow_orbit, only: measure
    use geartrain_flow_sections, only: sections_type
    use geartrain_model_check, only: check_train
+   use geartrain_model_long_period, only: refuse_long_period
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: exact_point_type, find_exact_point, onsets_of, refine_special_points
+   public :: branch_with_multipliers, check_whole_period, exact_point_type, find_exact_point, onsets_of, refine_special_points
 
    !> Distance from a special point to the orbits on either side whose multipliers are counted, in the units of units_type.
    real(dp), parameter :: beside = 1e-4_dp
@@ -34,6 +35,9 @@ module geartrain_continuation_exact_point
    real(dp), parameter :: on_circle = 1e-5_dp
    !> Change of Lambda up to which the solution of the augmented system is the special point that was found, in its unit.
    real(dp), parameter :: near = 1e-6_dp
+
+   !> What a message recommends.
+   character(*), parameter :: branch_with_multipliers = 'a response with stability = .true. and multipliers = .true.'
 
    type :: exact_point_type
       !> Kind as in special_point_type; number of the mesh of a contact onset, else 0.
@@ -103,6 +107,8 @@ contains
          call fatal(error, 'exact: the branch is over a parameter: only special points of a branch over frequency are made exact')
          return
       end if
+      call check_whole_period(train, branch, special, 'exact', error)
+      if (allocated(error)) return
       call build_system(train, system)
       divided = system
       call corrector%setup(divided, branch%subharmonic, repeats_of(branch, system))
@@ -126,6 +132,28 @@ contains
       end subroutine none_found
 
    end subroutine find_exact_point
+
+   !> Makes it an error where a special point needs multipliers that the branch does not have, because its period is long.
+   subroutine check_whole_period(train, branch, special, what, error)
+      !> A train that check_train accepts.
+      type(train_type), intent(in) :: train
+      !> The branch.
+      type(branch_type), intent(in) :: branch
+      !> A special point or a contact onset of the branch.
+      type(special_point_type), intent(in) :: special
+      !> What is to be done, for the message.
+      character(*), intent(in) :: what
+      !> Bad input.
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (special%kind == 'stability change') then
+         call fatal(error, what//': a stability change is where the growth rate passes 0 on a branch of long period; how a &
+                    &multiplier passes the unit circle there is known only of '//branch_with_multipliers)
+      else
+         call refuse_long_period(train, what//': solves for the motion over whole periods', 'take '//branch_with_multipliers, &
+                                 branch%states > 0, error)
+      end if
+   end subroutine check_whole_period
 
    !> Replaces the special points of a branch by those of the exact motion near them; one near which none is found stays as it is.
    !> Those that were tried before, as in a checkpoint, are not tried again. On a branch over a parameter all stay as they are.

@@ -1,6 +1,7 @@
 !> Locates where the motions of a branch of long period become stable or unstable between two neighbouring points: where their
 !> growth rate passes 0. At a fold, which the balance locates more exactly, that is no further special point.
 module geartrain_continuation_growth_changes
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
@@ -35,6 +36,7 @@ contains
       type(solution_point_type) :: solution
       type(growth_type) :: growth
       real(dp) :: a, b, fa, fb, s
+      integer(int64) :: began, now, rate
       integer :: i, kept
       logical :: success
 
@@ -46,6 +48,7 @@ contains
       fa = branch%growth_rate(before)
       fb = branch%growth_rate(after)
       if ((fa > 0) .eqv. (fb > 0)) return
+      call system_clock(began, rate)
       kept = 0
       solution = next
       do i = 1, most_steps
@@ -59,6 +62,8 @@ contains
          if (b - a < located*length .or. abs(growth%rate) < growth%error) exit
       end do
       call add_special_point(branch, 'stability change', solution%frequency_ratio, after - 1, rms_of(corrector, solution))
+      call system_clock(now)
+      branch%verdict_seconds = branch%verdict_seconds + real(now - began, dp)/real(rate, dp)
    end subroutine add_growth_change
 
 end module geartrain_continuation_growth_changes

@@ -21,7 +21,7 @@ module geartrain_continuation_locus
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: find_path, trace_locus
+   public :: find_path, refusal_of, trace_locus
 
    !> Distance of the parameter from an end of its range that is rounding, over the length of the range.
    real(dp), parameter :: rounding = 1e-13_dp
@@ -117,7 +117,8 @@ contains
       done = 0
       !$omp parallel do schedule(static, 1)
       do k = 2, 1, -1
-         call trace_side(own(k), begin(k), start, stop, side(k), keep_going, done, observer)
+         call trace_side(own(k), begin(k), start, stop, side(k), keep_going, done, locus%covered(k), observer)
+         locus%covered(k) = 1
       end do
       !$omp end parallel do
       ! A side that closes is the whole curve.
@@ -161,16 +162,30 @@ contains
       !> Kind of the special point.
       character(*), intent(in) :: kind
       type(error_type), allocatable, intent(inout) :: error
+      character(:), allocatable :: words
       integer :: cycles
 
       cycles = nint(period*maxval(system%law%order)/repeats)
-      if (cycles <= most_cycles) return
-      call fatal(error, 'locus: the motion repeats itself after '//text(cycles)//' cycles of mesh '// &
-                 text(maxloc(system%law%order, 1))//', and the curve may have a corner wherever one of these cycles grazes a &
-                 &wall of the gap: it would take minutes, and is followed for motions of up to '//text(most_cycles)//' cycles &
-                 &only. Make the response at three values of the parameter instead, and take the '//trim(kind)//' from its &
-                 &special points or jumps; or take numbers of teeth with common divisors')
+      call refusal_of(cycles, 'the motion repeats itself after '//text(cycles)//' cycles of mesh '// &
+                      text(maxloc(system%law%order, 1)), kind, words)
+      if (words /= '') call fatal(error, 'locus: '//words)
    end subroutine check_cycles
+
+   !> Why the curve of a special point is not followed where motions have too many cycles of a mesh, else ''.
+   subroutine refusal_of(cycles, period, kind, words)
+      !> Cycles of the fastest mesh in a period.
+      integer, intent(in) :: cycles
+      !> The period in words; kind of the special point.
+      character(*), intent(in) :: period, kind
+      !> The reason and what to do instead.
+      character(:), allocatable, intent(out) :: words
+
+      words = ''
+      if (cycles > most_cycles) words = period//', and the curve may have a corner wherever one of these cycles grazes a wall of &
+         &the gap: it would take minutes, and is followed for motions of up to '//text(most_cycles)//' cycles only. Make the &
+         &response at three values of the parameter instead, and take the '//trim(kind)//' from its special points or jumps; or &
+         &take numbers of teeth with common divisors'
+   end subroutine refusal_of
 
    !> The path of the train over the parameter, on which the train itself lies.
    subroutine find_path(train, name, frequency_ratio, start, stop, path, error)

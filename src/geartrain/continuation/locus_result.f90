@@ -31,6 +31,8 @@ module geartrain_continuation_locus_result
       !> Why it ended at its first and at its last point: 'range', 'closed', 'corner' where the motion grazes a wall of a gap,
       !> 'double point', 'limit' of what is followed, 'symmetry' which the parameter breaks, 'cancelled', 'failed', (side).
       character(16), allocatable :: ends(:)
+      !> Share of the range of the parameter covered so far on either side [1], (side); no result.
+      real(dp) :: covered(2) = 0
       !> Why it ended on either side, in words; whether it got to the ends of the range, or closed; whether it closed.
       character(:), allocatable :: ended
       logical :: complete = .false., closed = .false.

@@ -47,7 +47,7 @@ module geartrain_continuation_locus_side
 contains
 
    !> Follows the curve from its first point along the tangent. Both sides may run at a time.
-   subroutine trace_side(augmented, first, start, stop, side, keep_going, done, observer)
+   subroutine trace_side(augmented, first, start, stop, side, keep_going, done, covered, observer)
       !> The system of the special point, solved at the first point last.
       type(augmented_system_type), intent(inout) :: augmented
       !> The first point, with its tangent.
@@ -60,6 +60,8 @@ contains
       logical, intent(inout) :: keep_going
       !> Points found so far, of both sides.
       integer, intent(inout) :: done
+      !> Share of the range of the parameter that this side has covered [1].
+      real(dp), intent(inout) :: covered
       !> Told of each point; may end it.
       class(observer_type), intent(inout), optional :: observer
       !> The points at both ends of a step; the one before the latest corner; a place between points.
@@ -197,6 +199,10 @@ contains
          side%point(side%points) = next
          !$omp critical (geartrain_locus)
          done = done + 1
+         associate (end => ends(merge(2, 1, next%parameter > first%parameter)))
+            if (abs(end - first%parameter) > 0) &
+               covered = max(covered, abs(next%parameter - first%parameter)/abs(end - first%parameter))
+         end associate
          go = keep_going
          if (go .and. present(observer)) call observer%on_step('locus', done, next%frequency_ratio, go)
          !$omp atomic write

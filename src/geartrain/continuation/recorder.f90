@@ -1,5 +1,6 @@
 !> Appends points to a branch: enlarges its arrays, derives values from the coefficients, assesses stability where asked for.
 module geartrain_continuation_recorder
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_balance_mesh_load, only: force_reader_type, load_resolution
@@ -96,6 +97,7 @@ contains
       real(dp) :: coefficients(balance%block, balance%system%meshes)
       type(assessment_type) :: assessment
       type(force_reader_type) :: fresh
+      integer(int64) :: began, now, rate
       integer :: i, j, k, n
 
       if (branch%points == size(branch%frequency_ratio)) &
@@ -151,6 +153,7 @@ contains
                                                      branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
                                                      branch%shaft_torque_maximum(:, n))
       if (self%stability) then
+         call system_clock(began, rate)
          if (branch%states == 0) then
             call assess_growth(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, assessment)
          else
@@ -168,6 +171,8 @@ contains
          branch%undecided(n) = assessment%undecided
          branch%second_estimate(n) = assessment%second
          branch%count_undecided(n) = assessment%count_undecided
+         call system_clock(now)
+         branch%verdict_seconds = branch%verdict_seconds + real(now - began, dp)/real(rate, dp)
       end if
       branch%points = n
    end subroutine add

@@ -75,7 +75,11 @@ contains
          ! The observer may read the branch: no other thread changes a point at this time.
          !$omp critical (geartrain_refinement)
          branch%correction(i) = correction
-         if (.not. correction < 0) call replace_point(motion, i, system%characteristic_frequency, branch)
+         if (.not. correction < 0) then
+            call replace_point(motion, i, branch)
+            if (allocated(branch%stable)) &
+               branch%growth_rate(i) = growth_rate_of(motion, repeats)*system%characteristic_frequency
+         end if
          done = done + 1
          go = keep_going
          if (go .and. present(observer)) call observer%on_step('refinement', done, branch%frequency_ratio(i), go)
@@ -86,6 +90,19 @@ contains
       !$omp end parallel do
       if (.not. keep_going .or. train%interrupt%raised()) call cancel_refinement(branch)
    end subroutine refine_branch
+
+   !> Growth rate of the slowest perturbation of a refined motion, by its multipliers [1/dimensionless time].
+   pure real(dp) function growth_rate_of(motion, repeats) result(rate)
+      type(motion_type), intent(in) :: motion
+      !> How often the motion goes through its waveform in its period.
+      integer, intent(in) :: repeats
+      real(dp) :: largest
+
+      largest = abs(motion%multipliers(1))
+      if (allocated(motion%repetition_multipliers)) largest = abs(motion%repetition_multipliers(1))
+      rate = log(max(largest, tiny(largest)))*motion%frequency_ratio/(2*pi*motion%period)
+      if (allocated(motion%repetition_multipliers)) rate = repeats*rate
+   end function growth_rate_of
 
    !> Tells in a branch that its refinement was cancelled.
    subroutine cancel_refinement(branch)
@@ -168,11 +185,9 @@ contains
    end subroutine refine_point
 
    !> Puts an orbit in the place of point i; rms, extremes and loads are those of the whole waveform of the orbit.
-   subroutine replace_point(motion, i, frequency, branch)
+   subroutine replace_point(motion, i, branch)
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: i
-      !> Characteristic frequency [rad/s].
-      real(dp), intent(in) :: frequency
       type(branch_type), intent(inout), target :: branch
       integer :: k
 
@@ -195,8 +210,6 @@ contains
       branch%error_estimate(i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.
       if (.not. allocated(branch%stable)) return
-      branch%growth_rate(i) = log(max(abs(motion%multipliers(1)), tiny(frequency)))*frequency*motion%frequency_ratio &
-                              /(2*pi*motion%period)
       ! Multipliers are in descending order; of a train of many states a branch has the leading multipliers only.
       if (branch%states > 0) branch%multipliers(:, i) = motion%multipliers(:branch%states)
       if (allocated(branch%repetition_multipliers)) &

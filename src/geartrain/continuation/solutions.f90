@@ -194,7 +194,8 @@ contains
             end if
             motion%error_estimate = found%error_estimate(i)
             if (.not. settings%stability) cycle
-            motion%multipliers = found%multipliers(:, i)
+            if (found%states > 0) motion%multipliers = found%multipliers(:, i)
+            motion%assessed = found%states == 0
             motion%stable = found%stable(i)
             motion%undecided = found%undecided(i)
          end associate

@@ -15,6 +15,7 @@ module geartrain_continuation_special_gradient
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_crossing_multiplier, only: crossing_multiplier_type
    use geartrain_continuation_exact_gradient, only: exact_gradient
+   use geartrain_continuation_exact_point, only: check_whole_period
    use geartrain_continuation_linearized_motion, only: factor, grazes
    use geartrain_continuation_listed_point, only: listed_point_type
    use geartrain_linalg_differences, only: differences_type
@@ -59,6 +60,10 @@ contains
          call fatal(error, 'gradient: of special points of a branch over a frequency, not over a parameter')
       if (allocated(error)) return
       call begin_gradient(gradient, 1, size(names))
+      ! The fold of a balance needs no multipliers.
+      if (branch%special_points(special)%kind /= 'fold' .or. .not. branch%special_points(special)%correction < 0) &
+         call check_whole_period(train, branch, branch%special_points(special), 'gradient', error)
+      if (allocated(error)) return
       associate (point => branch%special_points(special))
          if (point%multiplicity > 1) then
             call fatal(error, 'gradient: '//text(point%multiplicity)//' multipliers pass the unit circle together at this '// &

@@ -5,6 +5,7 @@
 !> becomes real outside the circle, which is no change at all. Multipliers that stay on the circle to rounding, as of a mode without
 !> damping, are never outside. Real multipliers pass +1 at folds and branch points, which the balance locates more exactly.
 module geartrain_continuation_stability_changes
+   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
@@ -58,6 +59,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       type(piece_type) :: piece
       complex(dp) :: first(branch%states), last(branch%states)
+      integer(int64) :: began, now, rate
 
       first = multipliers_at(branch, before)
       last = multipliers_at(branch, after)
@@ -67,7 +69,10 @@ contains
       if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
       if (all(outside(first) == outside(last))) return
       piece = piece_type(here, next, length)
+      call system_clock(began, rate)
       call separate(corrector, monodromy, piece, 0.0_dp, length, first, last, after, branch)
+      call system_clock(now)
+      branch%verdict_seconds = branch%verdict_seconds + real(now - began, dp)/real(rate, dp)
    end subroutine add_stability_changes
 
    !> Number of multipliers outside the unit circle, of each kind.

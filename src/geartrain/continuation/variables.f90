@@ -9,6 +9,7 @@ module geartrain_continuation_variables
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, visit_unit
    use geartrain_model_limits, only: check_common_period, check_frequency, check_harmonics
+   use geartrain_model_long_period, only: check_variable
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -114,7 +115,7 @@ contains
       logical, intent(in) :: seeded
       !> Collects the problems; only the signs are checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
-      logical :: within
+      logical :: within, whole
 
       call checker%enter('response', 1)
       ! A range of frequencies has positive ends; the ends of a path in a parameter are in the parameter's own range.
@@ -160,6 +161,14 @@ contains
          call checker%complain('period_doublings', integer_text(settings%period_doublings), 'must be 0 where subharmonic > 1: &
                                &from rest the motion is one of period 1, whose doublings are followed with subharmonic = 1')
       end if
+      whole = .not. within .or. settings%stability .and. settings%multipliers
+      if (settings%period_doublings > 0) &
+         call check_variable(train, settings%subharmonic*2**(settings%period_doublings - 1), 'period_doublings', &
+                             integer_text(settings%period_doublings), 'needs multipliers over whole periods', whole, checker)
+      if (settings%branch_points) call check_variable(train, settings%subharmonic, 'branch_points', '.true.', &
+                                                      'needs multipliers over whole periods', whole, checker)
+      if (settings%refine) call check_variable(train, 1, 'refine', '.true.', &
+                                               'shoots over whole periods', whole, checker)
       call checker%leave()
 
    contains

@@ -12,13 +12,12 @@ module geartrain_floquet_growth
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: neutral
    use geartrain_linalg_lapack, only: dgemm
+   use geartrain_model_long_period, only: long_period
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: find_growth, growth_type, has_long_period, shifted_rate
 
-   !> Cycles of the fastest mesh a period above which the period is long.
-   integer, parameter :: long_period = 500
    !> Cycles of the fastest mesh in the first part; the part grows by two until its rate is sure.
    integer, parameter :: first_cycles = 32
    !> A part this share of the period is as well the whole.

@@ -11,8 +11,7 @@ module geartrain_flow_fields
    private
    public :: carry_loads, coefficient_axis, visit_motions
    public :: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, about_minimum, &
-      about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_multipliers, &
-      on_stability
+      about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_stability
 
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
@@ -34,8 +33,6 @@ module geartrain_flow_fields
    character(*), parameter :: about_growth_rate = 'growth rate of the slowest perturbation, the largest real part of a Floquet &
       &exponent: negative where the motion is stable'
    character(*), parameter :: on_stability = 'with `stability`'
-   character(*), parameter :: on_multipliers = 'with `stability`, where a period has at most 500 cycles of any mesh, or with &
-      &`multipliers`'
 
    type(row), parameter :: loads(4) = [ &
       row('mesh_force_maximum', 'mesh', 'N', &

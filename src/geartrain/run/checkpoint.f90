@@ -79,8 +79,8 @@ contains
       if (.not. self%case%train%interrupt%raised()) call self%room%look(analysis, self%case, self%results, keep_going)
       if (.not. keep_going) self%cancelled = .true.
       keep_going = .not. self%is_cancelled()
-      ! An interrupt in the midst of a step leaves incomplete results.
-      if (self%path == '' .or. self%case%train%interrupt%raised()) return
+      ! An interrupt in the midst of a step leaves incomplete results. Modes are found again as fast as they are read.
+      if (self%path == '' .or. analysis == 'modes' .or. self%case%train%interrupt%raised()) return
       self%news = .true.
       call system_clock(now, rate)
       pause = min(max(self%interval, 9*self%cost), max(self%first, real(self%last - self%begin, dp)/rate))
