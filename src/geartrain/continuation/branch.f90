@@ -439,7 +439,8 @@ contains
       if (fields%has('multipliers', branch%states > 0)) then
          call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
          call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
-                                &(41 flexible shafts) or more the 16 of largest magnitude', on_multipliers), branch%multipliers)
+                                &(41 flexible shafts) or more the 16 of largest magnitude, to about 1e-3 where all are &
+                                &inside the unit circle and `multipliers` was not set', on_multipliers), branch%multipliers)
       end if
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
