@@ -258,6 +258,16 @@ contains
       do i = 1, few%given
          call tests%is_close(minval(abs(all_of_them - leading(i))), 0.0_dp, 1e-8_dp, name//': each is one of all')
       end do
+      ! For the verdict alone: the first point of a branch, and the next ones, which begin with its vectors.
+      do i = 1, 3
+         call few%integrate(balance, frequency_ratio, verdict=.true.)
+         call few%multipliers(leading)
+         call tests%is_true(few%confirmed, name//': verdict confirmed')
+         associate (first => abs(all_of_them(1)))
+            call tests%is_close(abs(leading(1)), first, max(1e-8_dp, 0.02_dp*(1 - first)), name//': largest for the verdict')
+         end associate
+         call tests%is_close(maxval(abs(abs(leading) - abs(all_of_them(:few%given)))), 0.0_dp, 1e-3_dp, name//': the others')
+      end do
    end subroutine leading_multipliers
 
    !> The train, the stiffness of one of whose meshes varies by much more than that of the others.

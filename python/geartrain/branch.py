@@ -66,7 +66,8 @@ class Branch(Curves):
         Growth rate of the slowest perturbation [1/s], the largest real part of a Floquet exponent; negative where stable.
     multipliers : ndarray of complex, (points, states), or None
         Floquet multipliers over one period of the motion; of a train of 160 states
-        (41 flexible shafts) or more the 16 of largest magnitude. None where a period has more than 500 cycles of a mesh and
+        (41 flexible shafts) or more the 16 of largest magnitude, to about 1e-3 where all are inside the unit
+        circle and ``multipliers=True`` did not ask for digits. None where a period has more than 500 cycles of a mesh and
         ``multipliers=True`` did not ask for them.
     coefficients : ndarray, (points, meshes, 1 + 2*harmonics)
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/subharmonic.

@@ -99,7 +99,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs, the choice for trains with teeth; >= 1 and <= 1000, or 0"),
         "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in periods of the fundamental, eta; >= 1 and <= 1000"),
         "stability": Variable("stability", "logical", "bool", True, False, "Whether every point is stable, by its Floquet multipliers or, where a period has more than 500 cycles of a mesh, its growth rate"),
-        "multipliers": Variable("multipliers", "logical", "bool", False, False, "Floquet multipliers of every point, however long the period is"),
+        "multipliers": Variable("multipliers", "logical", "bool", False, False, "Floquet multipliers of every point to their digits, however long the period is and however large the train"),
         "shaft_torque": Variable("shaft_torque", "logical", "bool", True, False, "Mean and extremes of the torque of every shaft at every point"),
         "amplitude_limit": Variable("amplitude_limit", "real", "float", -1.0, False, "Rms over characteristic length beyond which the branch is followed but not recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the larger of half backlash and static deflection); > 0, or -1"),
         "coefficients": Variable("coefficients", "text", "Literal['exact', 'sampled']", "exact", False, "Fourier coefficients of the mesh force: exact from the contact events, or sampled (the discrete transform of the paper); 'exact' or 'sampled'"),

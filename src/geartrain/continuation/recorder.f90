@@ -21,6 +21,8 @@ module geartrain_continuation_recorder
    type :: recorder_type
       !> Stability is assessed; torques of shafts are computed.
       logical :: stability = .false., shaft_torque = .false.
+      !> Multipliers of a train of many states are wanted to their digits, not for the verdict alone.
+      logical :: to_their_digits = .false.
       !> Work space; the monodromy matrix of the latest point.
       type(monodromy_type) :: monodromy
       !> Multipliers of the latest point over one repetition of its waveform, (branch%states).
@@ -70,9 +72,10 @@ contains
       if (balance%chosen) branch%orders = [integer ::]
       allocate (branch%special_points(0))
       if (stability) then
+         self%to_their_digits = .false.
+         if (present(multipliers)) self%to_their_digits = multipliers
          call self%monodromy%setup(balance%system)
-         whole = self%monodromy%is_partial() .or. .not. has_long_period(balance)
-         if (present(multipliers)) whole = whole .or. multipliers
+         whole = self%to_their_digits .or. self%monodromy%is_partial() .or. .not. has_long_period(balance)
          if (whole) branch%states = self%monodromy%given
          allocate (self%multipliers(branch%states), branch%stable(0))
          if (whole .and. balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
@@ -157,14 +160,15 @@ contains
          if (branch%states == 0) then
             call assess_growth(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, assessment)
          else
-            call self%monodromy%integrate(balance, balance%frequency_ratio)
+            call self%monodromy%integrate(balance, balance%frequency_ratio, verdict=.not. self%to_their_digits)
             call self%monodromy%multipliers(self%multipliers)
             branch%multipliers(:, n) = self%multipliers
             if (balance%repeats > 1) then
                branch%repetition_multipliers(:, n) = self%multipliers
                branch%multipliers(:, n) = power(self%multipliers, balance%repeats)
             end if
-            call assess(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, self%multipliers, assessment)
+            call assess(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, self%multipliers, &
+                        .not. self%to_their_digits, assessment)
          end if
          branch%growth_rate(n) = assessment%growth_rate*balance%system%characteristic_frequency
          branch%stable(n) = assessment%stable

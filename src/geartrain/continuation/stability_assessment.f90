@@ -43,7 +43,7 @@ module geartrain_continuation_stability_assessment
 contains
 
    !> Assesses the stability of a motion.
-   subroutine assess(monodromy, balance, u, frequency_ratio, estimate, multipliers, assessment)
+   subroutine assess(monodromy, balance, u, frequency_ratio, estimate, multipliers, verdict, assessment)
       !> Monodromy matrix of the motion; afterwards, where a second estimate is needed, of the corrected motion.
       type(monodromy_type), intent(inout) :: monodromy
       !> Balance last evaluated at the motion.
@@ -54,6 +54,8 @@ contains
       type(error_estimate_type), intent(in) :: estimate
       !> Multipliers by `monodromy` [1], the largest magnitude first; NaN: not found.
       complex(dp), intent(in) :: multipliers(:)
+      !> Only the verdict is wanted: the multipliers may be rough where all are inside the unit circle.
+      logical, intent(in) :: verdict
       !> The assessment.
       type(assessment_type), intent(out) :: assessment
       complex(dp) :: corrected(size(multipliers))
@@ -76,7 +78,7 @@ contains
       ! Multipliers that stay on the circle, as of a mode without damping, are never outside.
       unsure = abs(first - 1) < sensitivity*moved .and. abs(first - 1) > neutral
       if (.not. (unsure(1) .or. any(unsure .and. abs(first - 1) < usual*moved))) return
-      call monodromy%integrate(balance, frequency_ratio, shift)
+      call monodromy%integrate(balance, frequency_ratio, shift, verdict)
       call monodromy%multipliers(corrected)
       second = abs(corrected)
       assessment%second = second(1)

@@ -70,9 +70,31 @@ contains
       if (all(outside(first) == outside(last))) return
       piece = piece_type(here, next, length)
       call system_clock(began, rate)
+      ! Of a train of many states multipliers that are all inside the circle may be rough.
+      if (monodromy%is_partial()) then
+         if (abs(first(1)) < 1) call find_at(0.0_dp, first)
+         if (abs(last(1)) < 1) call find_at(length, last)
+      end if
       call separate(corrector, monodromy, piece, 0.0_dp, length, first, last, after, branch)
       call system_clock(now)
       branch%verdict_seconds = branch%verdict_seconds + real(now - began, dp)/real(rate, dp)
+
+   contains
+
+      !> Multipliers to their digits at an end of the step; as they are where Newton's method fails.
+      subroutine find_at(s, multipliers)
+         real(dp), intent(in) :: s
+         complex(dp), intent(inout) :: multipliers(:)
+         complex(dp) :: found(size(multipliers))
+         type(solution_point_type) :: solution
+         real(dp) :: place
+         logical :: success
+
+         place = s
+         call find_multipliers(corrector, monodromy, piece, s, s, place, solution, found, success)
+         if (.not. success) return
+         if (are_numbers(found)) multipliers = found
+      end subroutine find_at
    end subroutine add_stability_changes
 
    !> Number of multipliers outside the unit circle, of each kind.

@@ -51,7 +51,8 @@ contains
                         settings%subharmonic)
       call v%on_logical(row('stability', '', 'whether every point is stable, by its Floquet multipliers or, where a period has &
                             &more than 500 cycles of a mesh, its growth rate'), settings%stability)
-      call v%on_logical(row('multipliers', '', 'Floquet multipliers of every point, however long the period is'), &
+      call v%on_logical(row('multipliers', '', 'Floquet multipliers of every point to their digits, however long the &
+                          &period is and however large the train'), &
                         settings%multipliers)
       call v%on_logical(row('shaft_torque', '', 'mean and extremes of the torque of every shaft at every point'), &
                         settings%shaft_torque)

@@ -15,14 +15,23 @@ module geartrain_floquet_leading_multipliers
    !> space of at most this share of the states.
    integer, parameter :: leading = 16
    real(dp), parameter :: residual_limit = 1e-9_dp, largest_share = 0.7_dp
+   !> Where only a verdict is wanted: residual of the first multiplier over its distance from the unit circle, and residual of the
+   !> others, at which multipliers inside the circle count as found.
+   real(dp), parameter :: surely = 0.02_dp, roughly = 1e-3_dp
    !> Vectors that are carried together: a larger block makes a larger space, but finds more copies of a multiplier.
    integer, parameter :: two = 2, four = 4
    !> The space begins with vectors that have been carried over so many periods times the root of the states: what dies out
    !> needs no dimension; four vectors half as often. Less often where their length grows or falls by more than this: the smaller
    !> multipliers would drown.
    real(dp), parameter :: periods = 1, largest_change = 1e3_dp
+   !> Periods times the root of the states over which the vectors of a branch are carried in all where only verdicts are wanted, a
+   !> few at each point: mean modes, and with them what dies out, hardly change along a branch.
+   real(dp), parameter :: most_periods = 6
+   integer, parameter :: few = 8
    !> First look at the residuals, in dimensions over the root of the states, with two vectors and with four. Copies show earlier.
    real(dp), parameter :: first_look(2) = [3.5_dp, 4.5_dp]
+   !> First look where only a verdict is wanted, over the dimension that sufficed at the point before; the next over the latest.
+   real(dp), parameter :: nearly = 0.9_dp, a_little = 1.12_dp
    !> Largest dimension for the next look over that of the latest: a look costs as much as some products.
    real(dp), parameter :: largest_growth = 1.5_dp
    !> Relative distance of multipliers that may be copies of each other, as of equal branches.
@@ -36,6 +45,8 @@ module geartrain_floquet_leading_multipliers
    !> Work space of one branch.
    type :: leading_multipliers_type
       private
+      !> Only a verdict is wanted: multipliers inside the unit circle need not be found to their digits.
+      logical :: verdict = .false.
       type(vector_propagator_type) :: propagator
       type(arnoldi_type) :: space
       integer :: states = 0
@@ -47,12 +58,15 @@ module geartrain_floquet_leading_multipliers
       integer, allocatable :: mesh(:), contact(:)
       !> Contact of each mesh at the beginning and now, (mesh).
       integer, allocatable :: first_contact(:), now(:)
+      !> Vectors carried over the periods of points of the branch, (state, vector); over how many; dimension that sufficed last.
+      real(dp), allocatable :: carried(:, :)
+      integer :: periods_carried = 0, sufficed = 0
    contains
       procedure :: setup
       procedure :: find
-      procedure, private :: find_with
-      procedure, private :: begin
-      procedure, private :: carry
+      procedure :: find_with
+      procedure :: begin
+      procedure :: carry
    end type leading_multipliers_type
 
 contains
@@ -70,7 +84,7 @@ contains
 
    !> The leading multipliers over a period. No success: the space would become almost the whole; or a multiplier was found as often
    !> as the space can hold it, and may be there more often.
-   subroutine find(self, motion, frequency_ratio, period, instant, mesh, contact, values, success)
+   subroutine find(self, motion, frequency_ratio, period, instant, mesh, contact, verdict, values, success)
       class(leading_multipliers_type), intent(inout) :: self
       !> The motion, whose contacts at the beginning of the period are used.
       class(motion_contacts_type), intent(in) :: motion
@@ -80,12 +94,15 @@ contains
       real(dp), intent(in) :: instant(:)
       !> Mesh of each event, and region of its law after the event, (event).
       integer, intent(in) :: mesh(:), contact(:)
+      !> Multipliers that are all inside the unit circle need not be found to their digits.
+      logical, intent(in) :: verdict
       !> Largest magnitude first, (leading).
       complex(dp), intent(out) :: values(:)
       !> The values are the leading multipliers.
       logical, intent(out) :: success
       integer :: i
 
+      self%verdict = verdict
       self%period = period
       self%instant = instant
       self%mesh = mesh
@@ -109,15 +126,18 @@ contains
       real(dp), dimension(self%states, block) :: vectors, products
       real(dp) :: residuals(size(values))
       integer :: attempt, check, most
-      logical :: independent
+      logical :: independent, sure
 
       most = block*int(largest_share*self%states/block)
       success = .false.
       do attempt = 0, most_attempts - 1
          call self%propagator%start(frequency_ratio, 2.0_dp**attempt)
          call self%begin(block, most)
-         check = min(most, block*nint(first_look(block/two)*sqrt(real(self%states, dp))/block))
+         check = block*nint(first_look(block/two)*sqrt(real(self%states, dp))/block)
+         if (self%verdict .and. self%sufficed > 0) check = block*nint(nearly*self%sufficed/block)
+         check = min(most, check)
          residuals = huge(1.0_dp)
+         sure = .false.
          do while (self%space%dimension < most .and. .not. self%propagator%system%interrupt%raised())
             call self%space%latest(vectors)
             call self%carry(vectors, products)
@@ -125,17 +145,22 @@ contains
             if (.not. independent) return
             if (self%space%dimension < check) cycle
             call self%space%ritz(values, residuals)
-            if (maxval(residuals) <= residual_limit) exit
+            sure = self%verdict .and. residuals(1) <= surely*(1 - abs(values(1))) .and. maxval(residuals) <= roughly
+            if (maxval(residuals) <= residual_limit .or. sure) exit
             if (most_copies(pack(values, residuals <= residual_limit)) >= block) return
             check = min(most, next_check(self%space%dimension, maxval(residuals), block))
+            if (self%verdict) check = min(check, block*ceiling(a_little*self%space%dimension/block))
          end do
-         if (.not. maxval(residuals) <= residual_limit .or. most_copies(values) >= block) return
+         if (.not. sure) then
+            if (.not. maxval(residuals) <= residual_limit .or. most_copies(values) >= block) return
+         end if
+         if (self%verdict) self%sufficed = self%space%dimension
          call self%space%leading_vector(vectors(:, :two))
          call self%propagator%start(frequency_ratio, 2.0_dp**(attempt + 1))
          call self%carry(vectors(:, :two), products(:, :two))
          products(:, 1) = products(:, 1) - values(1)%re*vectors(:, 1) + abs(values(1)%im)*vectors(:, 2)
          products(:, 2) = products(:, 2) - values(1)%re*vectors(:, 2) - abs(values(1)%im)*vectors(:, 1)
-         success = norm2(products(:, :two)) < largest_defect
+         success = norm2(products(:, :two)) < merge(surely*(1 - abs(values(1))), largest_defect, sure)
          if (success) exit
       end do
    end subroutine find_with
@@ -146,13 +171,21 @@ contains
       integer, intent(in) :: block, most
       real(dp), dimension(self%states, block) :: vectors, products
       real(dp) :: length, least, greatest
-      integer :: i
+      integer :: i, number
+      logical :: goes_on
 
+      number = nint(periods*two/block*sqrt(real(self%states, dp)))
       call self%space%begin(self%states, most, block)
       call self%space%latest(products)
+      goes_on = self%verdict .and. allocated(self%carried)
+      if (goes_on) goes_on = size(self%carried, 2) == block
+      if (goes_on) then
+         products = self%carried
+         number = few
+      end if
       least = huge(1.0_dp)
       greatest = 0
-      do i = 1, nint(periods*two/block*sqrt(real(self%states, dp)))
+      do i = 1, number
          if (self%propagator%system%interrupt%raised()) return
          vectors = products
          call self%carry(vectors, products)
@@ -161,6 +194,12 @@ contains
          greatest = max(greatest, length)
          if (greatest > largest_change*least) exit
       end do
+      if (.not. goes_on) self%periods_carried = 0
+      if (self%verdict .and. self%periods_carried + number <= most_periods*sqrt(real(self%states, dp)) .and. &
+          greatest <= largest_change*least) then
+         self%carried = products/greatest
+         self%periods_carried = self%periods_carried + number
+      end if
       call self%space%begin_with(products)
    end subroutine begin
 

@@ -129,7 +129,7 @@ contains
    !> Monodromy matrix of a motion, or its leading multipliers alone: over the period 2 pi eta/Lambda or, where the motion repeats
    !> itself within it, over one repetition. A mesh of order 71 that gains 1.5 a tooth has a multiplier of 1e12 over the period, in
    !> whose rounding all others would drown.
-   subroutine integrate(self, motion, frequency_ratio, shift)
+   subroutine integrate(self, motion, frequency_ratio, shift, verdict)
       class(monodromy_type), intent(inout) :: self
       !> Contacts of the motion over its period.
       class(motion_contacts_type), intent(in) :: motion
@@ -137,9 +137,11 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> What each contact event is moved by [rad], (event, unknown mesh).
       real(dp), intent(in), optional :: shift(:, :)
+      !> Only a verdict is wanted: of a train of many states multipliers that are all inside the unit circle are found roughly.
+      logical, intent(in), optional :: verdict
       real(dp) :: period, begin
       integer :: events, attempt, i
-      logical :: success
+      logical :: roughly, success
 
       if (motion%varies) call self%take_train(motion%system)
       period = 2*pi*motion%eta/frequency_ratio
@@ -161,9 +163,11 @@ contains
       self%now = 1
       if (allocated(self%found)) deallocate (self%found)
       if (self%is_partial()) then
+         roughly = .false.
+         if (present(verdict)) roughly = verdict
          allocate (self%found(self%given))
          call self%search%find(motion, frequency_ratio, period, self%instant(:events), self%mesh(:events), self%contact(:events), &
-                               self%found, success)
+                               roughly, self%found, success)
          if (success) return
          deallocate (self%found)
       end if
