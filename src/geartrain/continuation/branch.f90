@@ -438,9 +438,9 @@ contains
                              &can move it across the unit circle, or undecided anyway', on_stability, none_is_negative=.true.), &
                  branch%second_estimate)
       if (fields%has('multipliers', branch%states > 0)) call carry(fields, row('multipliers', 'point state complex', '1', &
-         about_multipliers//'; of a train of 160 states (41 flexible shafts) or more the 16 of largest magnitude, to about 1e-3 &
-         &where all are inside the unit circle and `multipliers` was not set', on_stability//', where a period has at most &
-         &500 cycles of any mesh, or with `multipliers`'), branch%multipliers)
+         about_multipliers//'; of a train of 160 states (41 flexible shafts) or more the 16 of largest magnitude, rough inside the &
+         &unit circle without `multipliers`', on_stability//', in periods up to 500 mesh cycles or with `multipliers`'), &
+         branch%multipliers)
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
                                 &the waveform, of which `multipliers` are powers', on_stability//', where all orders have a &

@@ -64,9 +64,9 @@ module geartrain_floquet_leading_multipliers
    contains
       procedure :: setup
       procedure :: find
-      procedure :: find_with
-      procedure :: begin
-      procedure :: carry
+      procedure, private :: find_with
+      procedure, private :: begin
+      procedure, private :: carry
    end type leading_multipliers_type
 
 contains
