@@ -439,7 +439,7 @@ contains
                  branch%second_estimate)
       if (fields%has('multipliers', branch%states > 0)) call carry(fields, row('multipliers', 'point state complex', '1', &
          about_multipliers//'; of a train of 160 states (41 flexible shafts) or more the 16 of largest magnitude, rough inside the &
-         &unit circle without `multipliers`', on_stability//', in periods up to 500 mesh cycles or with `multipliers`'), &
+         &unit circle without `multipliers`', on_stability//', short periods or `multipliers`'), &
          branch%multipliers)
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
