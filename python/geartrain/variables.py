@@ -120,7 +120,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "direction": Variable("direction", "text", "Literal['up', 'down', 'both']", "up", False, "Order in which the frequencies are visited, each starting from the motion before; 'up', 'down' or 'both'"),
         "harmonics": Variable("harmonics", "integer", "int", 0, False, "Harmonics of Lambda that are stored of the motion; 0: 16 of the highest mesh order; >= 1 and <= 20000, or 0"),
         "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which an unsettled motion is given up; of a motion with a window 1000 cycles of the slowest mesh, if that is less; >= 1"),
-        "window": Variable("window", "integer", "int", 0, False, "Cycles of the slowest mesh over which figures are taken, after settling by the time constants of the train; 0: 100 or more where all meshes together repeat themselves after more than 200 such cycles, or some mesh is idle and they do after 10 or more; else the figures are those of; >= 1 and <= 1.0e6, or 0"),
+        "window": Variable("window", "integer", "int", 0, False, "Cycles of the slowest mesh over which figures are taken, after settling by the time constants of the train; 0: 100 or more where the period has more than 200 such cycles, or 10 and some mesh is idle; else the figures are those of a period; >= 1 and <= 1.0e6, or 0"),
         "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
         "stability": Variable("stability", "logical", "bool", False, False, "Floquet multipliers of every settled motion"),
     },

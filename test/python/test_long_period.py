@@ -211,7 +211,7 @@ def test_the_period_is_told_in_turns():
         replace(train, bodies=[motor, *train.bodies[1:]]).attractors(1000.0)
 
 
-SLOW = "&modes /\n&response from = 0.2, to = 2.6, step = 0.0002, max_points = 1000000 /\n"
+SLOW = "&modes /\n&response from = 0.2, to = 2.6, step = 0.00002, max_points = 10000000 /\n"
 
 
 def first_lines(executable, case, seconds, want):
@@ -242,8 +242,8 @@ def paper_case(folder, analyses):
 @pytest.mark.parametrize(("analyses", "words"), [
     (SLOW, r"response: about [\d.]+ (s|min) expected: "
            r"(verdicts take \d+ % of the time: stability = \.false\. takes about .*|a point takes .*)"),
-    ("&integration from = 0.2, to = 2.6, points = 3000, direction = 'both' /\n",
-     r"integration: about \d+ (s|min) expected: 6000 points of .*"),
+    ("&integration from = 0.2, to = 2.6, points = 100000, direction = 'both' /\n",
+     r"integration: about \d+ (s|min) expected: 200000 points of .*"),
     ("&attractors frequency = 0.6, starts = 100000 /\n", r"attractors: about \d+ (s|min) expected: 100000 points of .*"),
     ("&run_up from = 0.2, to = 2.6, duration = 1000.0, samples = 1 /\n", r"run up: about \d+ (s|min) expected"),
     ("&stability_map from = 0.4, to = 1.6, points = 200, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 2000 /\n",

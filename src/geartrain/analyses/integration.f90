@@ -92,9 +92,8 @@ contains
                             &a motion with a window 1000 cycles of the slowest mesh, if that is less', least=one), &
                         settings%max_periods)
       call v%on_integer(row('window', '', 'cycles of the slowest mesh over which figures are taken, after settling by the time &
-                            &constants of the train; 0: 100 or more where all meshes together repeat themselves after more than &
-                            &200 such cycles, or some mesh is idle and they do after 10 or more; else the figures are those of &
-                            &a period', least=one, most=1e6*one, &
+                            &constants of the train; 0: 100 or more where the period has more than 200 such cycles, or 10 and &
+                            &some mesh is idle; else the figures are those of a period', least=one, most=1e6*one, &
                             automatic=zero), settings%window)
       call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
                          above=zero, most=one), settings%tolerance)
