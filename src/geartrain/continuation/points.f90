@@ -50,6 +50,12 @@ contains
 
       n = branch%points
       order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
+      ! Reversed points are a length behind the first point.
+      associate (behind => [(i, i=forward + 1, n)])
+         branch%arclength(behind) = -branch%arclength(behind)
+         branch%free_slope(behind) = -branch%free_slope(behind)
+         branch%rms_slope(:, behind) = -branch%rms_slope(:, behind)
+      end associate
       call take_points(branch, order)
       position(order) = [(i, i=1, n)]
       ! Segments are numbered anew. The two segments that meet at the first point become one segment.
@@ -61,6 +67,7 @@ contains
       ! A special point between the first points of the two ways has point number `forward` before it in the list.
       backward = branch%special_points%point > forward .or. &
                  branch%special_points%point == forward .and. branch%special_points%kind /= 'fold'
+      where (backward) branch%special_points%arclength = -branch%special_points%arclength
       do i = 1, size(branch%special_points)
          associate (special => branch%special_points(i))
             ! In the reversed order the next point becomes the point before a special point; a fold is a point of the branch itself.

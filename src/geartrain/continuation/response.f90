@@ -15,6 +15,7 @@ module geartrain_continuation_response
    use geartrain_continuation_interruption, only: drop_step
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
    use geartrain_continuation_points, only: drop_first, is_same_point
+   use geartrain_continuation_special_spacing, only: add_points_between
    use geartrain_continuation_start, only: begin_trace, motion_at, solution_of
    use geartrain_continuation_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_continuation_variables, only: check_response
@@ -85,6 +86,7 @@ contains
          call trace_from_both_ends(train, tracer, tracer%settings%start, tracer%settings%stop, branch, observer)
          deallocate (branch%trace)
       end if
+      call add_points_between(tracer, branch)
       call tracer%tell_missed(branch)
       call tracer%recorder%finish(branch)
    end subroutine response

@@ -8,7 +8,8 @@ module geartrain_continuation_stability_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_special_points, only: add_special_point, go_along, rms_of
+   use geartrain_continuation_special_points, only: add_special_point, rms_of
+   use geartrain_continuation_step_geometry, only: arc_length, go_along
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: are_numbers, neutral
    use geartrain_linalg_bracket, only: between, shrink
@@ -28,30 +29,32 @@ module geartrain_continuation_stability_changes
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
    !> circle, at the latest two places, up to which the chord through them is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
+   !> Distance from +1 within which a real multiplier may pass +1 at an end of a piece; length of a piece, as a share of the step,
+   !> in which no more hidden pairs are sought.
+   real(dp), parameter :: next_to_one = 0.02_dp, least = 1e-3_dp
    !> Width of the bracket of a change, as a share of the step, at which it is located where chords are not exact.
    real(dp), parameter :: located = 1e-9_dp
    integer, parameter :: most_steps = 60
    !> Difference of multipliers that are equal by the symmetry of the train.
    real(dp), parameter :: equal = 1e-7_dp
 
-   !> A piece of a branch between two solution points with tangents, and its length in the metric of the branch.
+   !> A piece of a branch between two solution points with tangents, its length and the length of the branch up to it, in the metric
+   !> of the branch.
    type :: piece_type
       type(solution_point_type) :: here, next
-      real(dp) :: length = 0
+      real(dp) :: length = 0, start = 0
    end type piece_type
 
 contains
 
    !> Lists the changes of stability between two neighbouring points of a branch as special points.
-   subroutine add_stability_changes(corrector, monodromy, here, next, length, before, after, branch)
+   subroutine add_stability_changes(corrector, monodromy, here, next, before, after, branch)
       !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy
       !> The two points with their tangents.
       type(solution_point_type), intent(in) :: here, next
-      !> Distance of the two points, in the metric of the branch [1].
-      real(dp), intent(in) :: length
       !> Numbers of the two points; the special points are listed after point `after` - 1.
       integer, intent(in) :: before, after
       !> Branch with the multipliers of both points; its `special_points` grow.
@@ -65,9 +68,9 @@ contains
       ! The multipliers are sorted by magnitude: none is outside, which is the rule.
       if (max(abs(first(1)), abs(last(1))) <= 1) return
       if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
-      if (all(outside(first) == outside(last))) return
-      piece = piece_type(here, next, length)
-      call separate(corrector, monodromy, piece, 0.0_dp, length, first, last, after, branch)
+      if (all(outside(first) == outside(last)) .and. .not. hides_pair(first, last)) return
+      piece = piece_type(here, next, arc_length(here, next, corrector%units), branch%arclength(before))
+      call separate(corrector, monodromy, piece, 0.0_dp, piece%length, first, last, after, branch)
    end subroutine add_stability_changes
 
    !> Number of multipliers outside the unit circle, of each kind.
@@ -113,12 +116,15 @@ contains
       logical :: success
 
       change = outside(last) - outside(first)
-      if (change(doubling) == 0 .and. change(neimark_sacker) == 0) return
+      if (change(doubling) == 0 .and. change(neimark_sacker) == 0) then
+         if (.not. hides_pair(first, last) .or. b - a < least*piece%length) return
+      end if
       if (all(mod(change([doubling, above_one]), 2) == 0) .and. stays(first, last)) return
       kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
-      if (change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. change(above_one) == 0) .and. &
+      if (any(change([doubling, neimark_sacker]) /= 0) .and. &
+          change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. change(above_one) == 0) .and. &
           pass_together(first, last, kind)) then
-         call locate(corrector, monodromy, piece, a, b, first, last, kind, solution)
+         call locate(corrector, monodromy, piece, a, b, first, last, kind, solution, s)
          call list(abs(change(kind)))
          return
       end if
@@ -147,10 +153,31 @@ contains
          if (corrector%fixed%has_differences(changes)) multiplicity = changes
          do k = 1, changes/max(1, multiplicity)
             call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, rms_of(corrector, solution), &
-                                   multiplicity)
+                                   multiplicity, piece%start + s)
          end do
       end subroutine list
    end subroutine separate
+
+   !> Whether a pair must have left the circle, or come back to it, and become real within a piece: of the real multipliers above 1
+   !> only one passes +1 in a piece, at a fold, and is near +1 at this end.
+   pure logical function hides_pair(first, last)
+      complex(dp), intent(in) :: first(:), last(:)
+
+      hides_pair = least_above(first) > most_above(last) .or. least_above(last) > most_above(first)
+   end function hides_pair
+
+   !> Number of real multipliers that are above 1 for sure, and that may be.
+   pure integer function least_above(multipliers)
+      complex(dp), intent(in) :: multipliers(:)
+
+      least_above = count(is_real(multipliers) .and. multipliers%re > 1 + next_to_one)
+   end function least_above
+
+   pure integer function most_above(multipliers)
+      complex(dp), intent(in) :: multipliers(:)
+
+      most_above = count(abs(multipliers%im) <= next_to_one .and. multipliers%re > 1 - next_to_one)
+   end function most_above
 
    !> Whether the multipliers of a kind that pass the circle are equal at both ends, as the differences of equal branches have them.
    pure logical function pass_together(first, last, kind)
@@ -190,7 +217,7 @@ contains
    end function stays
 
    !> The solution point between the distances `from` and `to` along a piece where a multiplier of a kind passes the circle.
-   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, solution)
+   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, solution, s)
       type(corrector_type), intent(inout) :: corrector
       type(monodromy_type), intent(inout) :: monodromy
       type(piece_type), intent(in) :: piece
@@ -198,8 +225,10 @@ contains
       complex(dp), intent(in) :: first(:), last(:)
       integer, intent(in) :: kind
       type(solution_point_type), intent(inout) :: solution
+      !> Distance of the point from the beginning of the piece [1].
+      real(dp), intent(out) :: s
       complex(dp) :: multipliers(size(first))
-      real(dp) :: a, b, fa, fb, f, f_before, s, s_before
+      real(dp) :: a, b, fa, fb, f, f_before, s_before
       integer :: i, kept, critical(3), number
       logical :: success
 
@@ -278,11 +307,11 @@ contains
       do attempt = 0, size(share)
          if (attempt > 0) s = a + share(attempt)*(b - a)
          solution = piece%here
-         call go_along(piece%here, piece%next, piece%length, s, solution)
+         call go_along(piece%here, piece%next, s/piece%length, corrector%units, solution)
          call corrector%correct(solution, success)
          if (success) exit
       end do
-      if (.not. success) call go_along(piece%here, piece%next, piece%length, s, solution)
+      if (.not. success) call go_along(piece%here, piece%next, s/piece%length, corrector%units, solution)
       if (.not. success) return
       call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
       call monodromy%multipliers(multipliers)
