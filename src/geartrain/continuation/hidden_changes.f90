@@ -13,7 +13,7 @@ module geartrain_continuation_hidden_changes
    use geartrain_continuation_points, only: motion_of
    use geartrain_continuation_stability_changes, only: doubling, find_multipliers, largest_multiplier, neimark_sacker, outside, &
       piece_type, separate
-   use geartrain_continuation_step_geometry, only: arc_length, go_along
+   use geartrain_continuation_step_geometry, only: arc_length
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: are_numbers
    implicit none (type, external)
@@ -24,10 +24,6 @@ module geartrain_continuation_hidden_changes
    real(dp), parameter :: far = 0.3_dp
    !> Uncertainty of the estimate, as a share of the variation of the function at the four points.
    real(dp), parameter :: uncertain = 0.25_dp
-   !> Distance in Lambda of places in a step [units_type], and angle by which the branch turns between them [rad], at which multipliers are computed if at an end of the step one is within
-   !> `far` of the circle: where teeth stay in contact the motion hardly changes over a range in which a mode or two resonate with
-   !> the mesh stiffness.
-   real(dp), parameter :: spacing = 0.05_dp, turn = 0.35_dp
    !> Most multipliers that are computed within a step for each kind and sense; places at which a parabola is looked at.
    integer, parameter :: most_places = 4, places = 16
    !> Least distance of a place from the ends, as a share of the interval.
@@ -35,13 +31,11 @@ module geartrain_continuation_hidden_changes
    !> Value of the function where there is no multiplier of the kind.
    real(dp), parameter :: none = -huge(1.0_dp)
 
-   integer, parameter :: most_probes = 40, most_samples = 4 + most_probes + most_places
-
    !> The function at points of the branch along the step.
    type :: samples_type
       integer :: taken = 0
       !> Distance from the beginning of the step; value, ascending by distance.
-      real(dp) :: at(most_samples) = 0, f(most_samples) = 0
+      real(dp) :: at(4 + most_places) = 0, f(4 + most_places) = 0
    contains
       procedure :: insert
       procedure :: highest
@@ -85,9 +79,8 @@ contains
       complex(dp) :: multipliers(branch%states, -1:2)
       real(dp) :: f(-1:2)
       logical :: known(-1:2), found, scaled
-      complex(dp), allocatable :: probe(:, :)
-      real(dp) :: probed(most_probes), apart(-1:1)
-      integer :: counted(3), changed(3), k, kind, number, sense, probes
+      real(dp) :: apart(-1:1)
+      integer :: counted(3), changed(3), k, kind, number, sense
       type(samples_type) :: samples
       type(piece_type) :: piece
       type(solution_point_type) :: chord
@@ -108,8 +101,6 @@ contains
       if (any(branch%special_points%point == i .and. (branch%special_points%kind == 'period doubling' .or. &
                                                       branch%special_points%kind == 'neimark-sacker'))) return
       call prepare_piece()
-      call probe_step(found)
-      if (found) return
       do kind = doubling, neimark_sacker
          ! Next to a fold a multiplier passes 1, which is no change of these kinds.
          if (changed(kind) /= 0) cycle
@@ -152,69 +143,13 @@ contains
          if (allocated(chord%tangent)) deallocate (chord%tangent)
       end subroutine prepare_piece
 
-      !> Computes multipliers within a long step.
-      subroutine probe_step(found)
-         !> They count otherwise than at the ends; then the changes are listed.
-         logical, intent(out) :: found
-         type(solution_point_type) :: solution
-         complex(dp) :: before(branch%states)
-         real(dp) :: s, from, angle
-         logical :: success
-         integer :: j, n
-
-         found = .false.
-         probes = 0
-         ! The chord of an arc is shorter than the arc, see arc_length.
-         angle = 4*acos(sqrt(max(0.0_dp, min(1.0_dp, apart(0)/max(branch%arclength(i + 1) - branch%arclength(i), tiny(1.0_dp))))))
-         n = min(most_probes, max(int(angle/turn), int(abs(piece%next%frequency_ratio - piece%here%frequency_ratio) &
-                                                       /(spacing*corrector%units%frequency_ratio))))
-         if (n == 0 .or. any(changed([doubling, neimark_sacker]) /= 0)) return
-         if (minval(abs(abs(multipliers(:, 0:1)) - 1)) > far) return
-         call orient_ends()
-         allocate (probe(branch%states, n))
-         do j = 1, n
-            s = j*piece%length/(n + 1)
-            ! The motion on the cubic is near enough to see whether they count otherwise.
-            solution = piece%here
-            call go_along(piece%here, piece%next, s/piece%length, corrector%units, solution)
-            call corrector%balance%evaluate(solution%u, solution%frequency_ratio)
-            corrector%evaluations = corrector%evaluations + 1
-            call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
-            call monodromy%multipliers(probe(:, probes + 1))
-            if (.not. are_numbers(probe(:, probes + 1))) cycle
-            if (any(outside(probe(:, probes + 1)) /= counted)) then
-               call find_multipliers(corrector, monodromy, piece, s, s, s, solution, probe(:, probes + 1), success)
-               if (.not. success) cycle
-            end if
-            probes = probes + 1
-            probed(probes) = s
-            found = found .or. any(outside(probe(:, probes)) /= counted)
-         end do
-         if (.not. found) return
-         before = multipliers(:, 0)
-         from = 0
-         do j = 1, probes
-            call separate(corrector, monodromy, piece, from, probed(j), before, probe(:, j), i + 1, branch)
-            before = probe(:, j)
-            from = probed(j)
-         end do
-         call separate(corrector, monodromy, piece, from, piece%length, before, multipliers(:, 1), i + 1, branch)
-      end subroutine probe_step
-
       subroutine begin_samples()
-         integer :: j
-         real(dp) :: value
-
          scaled = .false.
          samples%taken = 0
          if (f(-1) > none) call samples%insert(-apart(-1), f(-1))
          call samples%insert(0.0_dp, f(0))
          call samples%insert(apart(0), f(1))
          if (f(2) > none) call samples%insert(apart(0) + apart(1), f(2))
-         do j = 1, probes
-            value = sense*distance_of(probe(:, j), kind, number)
-            if (abs(value) < -none) call samples%insert(probed(j)*(apart(0)/piece%length), value)
-         end do
       end subroutine begin_samples
 
       !> Whether the circle may be reached within the step.

@@ -9,7 +9,7 @@ module geartrain_continuation_stability_changes
    use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_special_points, only: add_special_point, rms_of
-   use geartrain_continuation_step_geometry, only: arc_length, go_along
+   use geartrain_continuation_step_geometry, only: arc_length, cosine, go_along
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: are_numbers, neutral
    use geartrain_linalg_bracket, only: between, shrink
@@ -29,6 +29,10 @@ module geartrain_continuation_stability_changes
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
    !> circle, at the latest two places, up to which the chord through them is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
+   !> Distance in Lambda of places in a step [units_type], and angle by which the branch turns between them [rad], at which
+   !> multipliers are computed if at an end of the step one is within `far` of the circle; most places.
+   real(dp), parameter :: spacing = 0.025_dp, turn = 0.25_dp, far = 0.3_dp
+   integer, parameter :: most_probes = 40
    !> Distance from +1 within which a real multiplier may pass +1 at an end of a piece; length of a piece, as a share of the step,
    !> in which no more hidden pairs are sought.
    real(dp), parameter :: next_to_one = 0.02_dp, least = 1e-3_dp
@@ -60,18 +64,55 @@ contains
       !> Branch with the multipliers of both points; its `special_points` grow.
       type(branch_type), intent(inout), target :: branch
       type(piece_type) :: piece
-      complex(dp) :: first(branch%states), last(branch%states)
+      type(solution_point_type) :: solution
+      complex(dp) :: first(branch%states), middle(branch%states), last(branch%states)
+      real(dp) :: s, from
+      integer :: probes, i
+      logical :: success
 
       first = multipliers_at(branch, before)
       last = multipliers_at(branch, after)
       if (.not. (are_numbers(first) .and. are_numbers(last))) return
-      ! The multipliers are sorted by magnitude: none is outside, which is the rule.
-      if (max(abs(first(1)), abs(last(1))) <= 1) return
       if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
-      if (all(outside(first) == outside(last)) .and. .not. hides_pair(first, last)) return
       piece = piece_type(here, next, arc_length(here, next, corrector%units), branch%arclength(before))
-      call separate(corrector, monodromy, piece, 0.0_dp, piece%length, first, last, after, branch)
+      ! Where teeth stay in contact the motion hardly changes over a range in which a mode or two resonate with the mesh stiffness.
+      probes = 0
+      if (minval(abs(abs([first, last]) - 1)) < far) &
+         probes = max(int(acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, corrector%units))))/turn), &
+                      int(abs(next%frequency_ratio - here%frequency_ratio)/(spacing*corrector%units%frequency_ratio)))
+      probes = min(probes, most_probes)
+      from = 0
+      do i = 1, probes + 1
+         s = i*piece%length/(probes + 1)
+         middle = last
+         if (i <= probes) then
+            ! The motion on the cubic is near enough to see whether they count otherwise.
+            solution = here
+            call go_along(here, next, s/piece%length, corrector%units, solution)
+            call corrector%balance%evaluate(solution%u, solution%frequency_ratio)
+            corrector%evaluations = corrector%evaluations + 1
+            call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
+            call monodromy%multipliers(middle)
+            if (.not. are_numbers(middle)) cycle
+            if (differ(first, middle)) then
+               call find_multipliers(corrector, monodromy, piece, s, s, s, solution, middle, success)
+               if (.not. success) cycle
+            end if
+         end if
+         if (differ(first, middle)) call separate(corrector, monodromy, piece, from, s, first, middle, after, branch)
+         first = middle
+         from = s
+      end do
    end subroutine add_stability_changes
+
+   !> Whether multipliers pass the circle, or may, between two places.
+   pure logical function differ(first, last)
+      complex(dp), intent(in) :: first(:), last(:)
+
+      ! The multipliers are sorted by magnitude: none is outside, which is the rule.
+      differ = .not. max(abs(first(1)), abs(last(1))) <= 1
+      if (differ) differ = any(outside(first) /= outside(last)) .or. hides_pair(first, last)
+   end function differ
 
    !> Number of multipliers outside the unit circle, of each kind.
    pure function outside(multipliers)
