@@ -88,7 +88,7 @@ contains
                       (abs(branch%minimum(j, i) - minval(p)) - 0.5_dp*curvature*(pi/samples)**2))
          end do
       end do
-      call tests%is_true(branch%points > 100, 'extremes: many points')
+      call tests%is_true(branch%points > 40, 'extremes: many points')
       call tests%is_true(off < 1e-12_dp, 'extremes: as sampled, at every point')
    end subroutine extremes_by_sampling
 
