@@ -162,7 +162,7 @@ contains
          end associate
       end do
       call tests%holds('the folds of figure 3 at R = 6', 'undecided, all of them', wrong == 0)
-      call tests%holds('all of figure 3 at R = 6', 'at most one point in seven undecided', 7*count(branch%undecided) < branch%points)
+      call tests%holds('all of figure 3 at R = 6', 'at most a seventh undecided', 7*count(branch%undecided) < branch%points)
       conservative = single_pair(0.0_dp, 0.3_dp, 1.0_dp)
       conservative%meshes%half_backlash = 0
       branch = solve(conservative, settings_of(1.2_dp, 1.3_dp, 6))

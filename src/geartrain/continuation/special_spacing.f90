@@ -1,5 +1,5 @@
-!> Points that readings of a branch need once its trace ended: between special points that lie within one step, so that each change of
-!> stability has a point on either side, and where a jump leads to.
+!> Points that readings of a branch need once its trace ended: between special points that lie within one step, so that each change
+!> of stability has a point on either side, and where a jump leads to.
 module geartrain_continuation_special_spacing
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: arrange_points, branch_type, carried_by

@@ -29,9 +29,9 @@ module geartrain_continuation_stability_changes
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
    !> circle, at the latest two places, up to which the chord through them is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
-   !> Distance in Lambda of places in a step [units_type], and angle by which the branch turns between them [rad], at which
-   !> multipliers are computed if at an end of the step one is within `far` of the circle; most places.
-   real(dp), parameter :: spacing = 0.025_dp, turn = 0.25_dp, far = 0.3_dp
+   !> Distance in Lambda of places in a step [units_type], length of the branch between them [1], and angle by which it turns [rad],
+   !> at which multipliers are computed if at an end of the step one is within `far` of the circle; most places.
+   real(dp), parameter :: spacing = 0.025_dp, length_between = 0.05_dp, turn = 0.25_dp, far = 0.3_dp
    integer, parameter :: most_probes = 40
    !> Distance from +1 within which a real multiplier may pass +1 at an end of a piece; length of a piece, as a share of the step,
    !> in which no more hidden pairs are sought.
@@ -79,6 +79,7 @@ contains
       probes = 0
       if (minval(abs(abs([first, last]) - 1)) < far) &
          probes = max(int(acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, corrector%units))))/turn), &
+                      int(piece%length/length_between), &
                       int(abs(next%frequency_ratio - here%frequency_ratio)/(spacing*corrector%units%frequency_ratio)))
       probes = min(probes, most_probes)
       from = 0

@@ -22,7 +22,8 @@ module geartrain_continuation_stepper
       integer :: segment = 1
       !> Points that miss the tolerance, where harmonics = 0.
       integer :: missed = 0
-      !> The point before the latest one, from which the next one is guessed; its coefficients are not allocated where there is none.
+      !> The point before the latest one, from which the next one is guessed; its coefficients are not allocated where there is
+      !> none.
       type(solution_point_type) :: before
       !> Quantities of the meshes at the solution point of the latest `read`, and the evaluations of the balance until then.
       type(quantities_type) :: quantities
@@ -40,8 +41,9 @@ contains
       type(solution_point_type), intent(in) :: solution
       !> Branch that `recorder` was set up for.
       type(branch_type), intent(inout), target :: branch
-      !> Solution point of the branch before it, and its number; absent: a segment begins.
+      !> Solution point of the branch before it; absent: a segment begins.
       type(solution_point_type), intent(in), optional :: from
+      !> Number of that point.
       integer, intent(in), optional :: point
       real(dp) :: arclength
 
@@ -72,8 +74,9 @@ contains
    !> Keeps to motions in which equal branches move equally as they do at the beginning of the branch, and solves `here` there.
    subroutine keep_equal(self, here, origin)
       class(stepper_type), intent(inout) :: self
-      !> Where a trace begins; first point of the branch.
+      !> Where a trace begins.
       type(solution_point_type), intent(inout) :: here
+      !> First point of the branch.
       type(solution_point_type), intent(in) :: origin
       type(solution_point_type) :: before
       logical :: success
@@ -121,8 +124,9 @@ contains
    !> beyond the end of a path in a parameter, where there may be no train, the next point is at this end.
    subroutine take_step(self, here, origin, closing, h, low, high, next, off_curve, shorter, success)
       class(stepper_type), intent(inout) :: self
-      !> Latest and first point of the branch; the step closes the branch.
+      !> Latest and first point of the branch.
       type(solution_point_type), intent(in) :: here, origin
+      !> The step closes the branch.
       logical, intent(in) :: closing
       !> Length of the step [1]; bounds of Lambda [1].
       real(dp), intent(in) :: h, low, high
@@ -172,8 +176,9 @@ contains
       class(stepper_type), intent(inout) :: self
       !> The bound [1]; length of the step [1].
       real(dp), intent(in) :: bound, h
-      !> Beginning of the step; its end, which becomes the point at the bound.
+      !> Beginning of the step.
       type(solution_point_type), intent(in) :: here
+      !> Its end, which becomes the point at the bound.
       type(solution_point_type), intent(inout) :: next
       !> Newton's method has converged near the step.
       logical, intent(out) :: success
