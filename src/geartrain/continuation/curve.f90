@@ -81,6 +81,11 @@ contains
 
       do j = 1, branch%meshes
          arc = arc_between(branch, j, i)
+         if (.not. has_slopes(branch)) then
+            ! The chord.
+            arc%free_slope = arc%free(2) - arc%free(1)
+            arc%rms_slope = arc%rms(2) - arc%rms(1)
+         end if
          rms(j) = value_on(arc%rms, arc%rms_slope, share_at(arc%free, arc%free_slope, frequency_ratio))
       end do
    end function rms_at
