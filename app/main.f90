@@ -14,7 +14,14 @@ program main
    character(:), allocatable :: text
    integer :: status
 
+   interface
+      !> In src/geartrain/linalg/blas_threads.c.
+      subroutine one_blas_thread() bind(c, name='geartrain_one_blas_thread')
+      end subroutine one_blas_thread
+   end interface
+
    call stand_firm()
+   call one_blas_thread()
    if (.not. can_begin()) then
       call complain('geartrain: error: there is not enough memory to begin with, 160 MB beside the program: is there a limit &
                     &(ulimit -v)?')

@@ -109,7 +109,7 @@ contains
       logical, intent(inout) :: keep_going
       integer(int64) :: now
       integer :: status, number
-      character(len(analyses%steps)) :: steps
+      character(max(13, len(analyses%steps))) :: steps
       character(:), allocatable :: line, place
       real(dp) :: seconds
 
@@ -121,7 +121,7 @@ contains
       if (analysis == 'branch') self%branch_seconds = self%branch_seconds + seconds
       if (.not. self%shown .or. .not. keep_going) return
       if (associated(self%results)) call self%report_modes()
-      if (analysis == 'settling') then
+      if (analysis == 'settling' .or. analysis == 'settling by time') then
          if (now - self%point < self%rate) return
       else
          self%point = now
@@ -132,12 +132,13 @@ contains
       steps = 'points'
       if (number > 0) steps = analyses(number)%steps
       if (analysis == 'settling') steps = 'periods'
+      if (analysis == 'settling by time') steps = 'tooth periods'
       line = analysis//': '//integer_text(done)//' '//trim(steps)
       if (steps /= 'rows') then
          call self%told(number)%with_unit(self%told(number)%number(frequency_ratio), place)
          line = line//', '//place
       end if
-      if (analysis == 'settling') line = line//', '//integer_text(self%points)//' points done'
+      if (analysis == 'settling' .or. analysis == 'settling by time') line = line//', '//integer_text(self%points)//' points done'
       if (self%overwrites) then
          write (error_unit, '(2a)', advance='no', iostat=status) to_line_start, line
          flush (error_unit, iostat=status)
@@ -168,7 +169,7 @@ contains
       select case (analysis)
       case ('refinement')
          number = number_of('response')
-      case ('settling')
+      case ('settling', 'settling by time')
          number = number_of('integration')
       case default
          do number = size(analyses), 1, -1

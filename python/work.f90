@@ -52,7 +52,7 @@ contains
 
       progress => self%progress
       ! The periods of the fundamental of a motion that settles are no points of the analysis.
-      if (analysis /= 'settling') progress(2) = done
+      if (analysis /= 'settling' .and. analysis /= 'settling by time') progress(2) = done
       progress(3) = frequency_ratio
       if (progress(1) > 0) keep_going = .false.
       if (associated(self%results) .and. keep_going) call self%room%look(analysis, self%case, self%results, keep_going)

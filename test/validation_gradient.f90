@@ -136,7 +136,9 @@ contains
                       shaft_type(between=[character(64) :: 'wheel', 'fan'], rigid=.true.), &
                       shaft_type(between=[character(64) :: 'fan', 'load'], stiffness=1e5_dp)]
       train%meshes = [mesh_type(between=[character(64) :: 'pinion', 'wheel'], driving_radius=0.04_dp, driven_radius=0.08_dp, &
-                                stiffness=2e8_dp, damping_ratio=0.05_dp, half_backlash=30e-6_dp, stiffness_cos=[0.2_dp])]
+                                stiffness=2e8_dp, damping_ratio=0.05_dp, half_backlash=30e-6_dp)]
+      ! Not above: gfortran 12 does not free an allocatable component of what is made within an array constructor.
+      train%meshes(1)%stiffness_cos = [0.2_dp]
       train%characteristic_length = 30e-6_dp
       call compare(tests, 'two damped nodes', train, settings_of(0.51_dp, 0.52_dp, 40))
       ! The damping of two equal bodies on a rigid shaft does not load it: its gain is 0, the derivative of the gain is not.

@@ -9,18 +9,23 @@ import numpy as np
 
 from .errors import InputError, shown
 
-__all__ = ["NUMBERS", "TORQUES", "VALUES", "check_motion", "check_states"]
+__all__ = ["NUMBERS", "TORQUES", "UNCERTAINTIES", "VALUES", "check_motion", "check_states"]
 
 #: Values of every shaft; None where the motion has none.
 TORQUES = ("shaft_torque_mean", "shaft_torque_minimum", "shaft_torque_maximum")
+#: What a longer window changes of the figures, of every mesh and of every shaft; None where there is no window.
+UNCERTAINTIES = (
+    *("rms_uncertainty", "mean_uncertainty", "minimum_uncertainty", "maximum_uncertainty", "force_uncertainty"),
+    *("torque_mean_uncertainty", "torque_min_uncertainty", "torque_max_uncertainty"),
+)
 #: Values of every mesh, in Fortran's order.
 VALUES = (
     *("rms", "mean", "minimum", "maximum"),
     *("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"),
 )
 #: Numbers of a motion, one each.
-NUMBERS = ("error_estimate", "share", "lyapunov_exponent", "lyapunov_error")
-_KINDS = ("periodic", "chaotic", "quasi-periodic", "still settling", "undecided", "unbounded")
+NUMBERS = ("error_estimate", "share", "lyapunov_exponent", "lyapunov_error", "ringing")
+_KINDS = ("periodic", "stationary", "chaotic", "quasi-periodic", "still settling", "undecided", "unbounded")
 _LARGEST = 1e20  # of any number, as in a case file
 _LONGEST = 2**31 - 1  # periods of the fundamental, what Fortran can count; the harmonics must hold them as well
 
@@ -55,6 +60,11 @@ def check_motion(
         value = getattr(motion, name)
         if value is not None and (not _is_array(value, 1) or len(value) != len(np.atleast_1d(motion.shaft_torque_mean))):
             raise InputError(f"{what}: {name} = {shown(value)}: must be an array of numbers, one of each shaft, or None")
+    for name in UNCERTAINTIES:
+        value = getattr(motion, name)
+        count = len(np.atleast_1d(motion.shaft_torque_mean)) if name.startswith("torque") else found
+        if value is not None and (not _is_array(value, 1) or len(value) != count):
+            raise InputError(f"{what}: {name} = {shown(value)}: must be an array of {count} numbers, or None")
     _check_state(motion, what, states)
     if only_state:
         return
@@ -86,6 +96,8 @@ def _check_numbers(motion: Any, what: str) -> None:
         raise InputError(f"{what}: period = {shown(motion.period)}: must be a whole number >= 0 and <= {_LONGEST}")
     if not (_is_number(motion.frequency) and np.isfinite(float(motion.frequency))):
         raise InputError(f"{what}: frequency = {shown(motion.frequency)}: must be a finite number")
+    if not (_is_number(motion.window) and 0 <= float(motion.window) <= _LARGEST):
+        raise InputError(f"{what}: window = {shown(motion.window)}: must be a finite number >= 0")
     for name in NUMBERS:
         if not _is_number(getattr(motion, name)):
             raise InputError(f"{what}: {name} = {shown(getattr(motion, name))}: must be a number")

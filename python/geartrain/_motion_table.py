@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ._box import Box, Group
 from ._dataset import dataset
-from ._motion_check import NUMBERS, TORQUES, VALUES, check_motion
+from ._motion_check import NUMBERS, TORQUES, UNCERTAINTIES, VALUES, check_motion
 from ._units import hertz_of, speed_of
 from .description import mesh_names, shaft_names
 from .errors import InputError
@@ -43,6 +43,8 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
     return {
         **{name: row.get(name, nothing) for name in VALUES},
         **{name: row.get(name) for name in TORQUES},
+        **{name: None if row.get(name) is None or np.isnan(row[name]).all() else row[name] for name in UNCERTAINTIES},
+        "window": float(np.nan_to_num(row.get("window", 0.0))),
         **{name: float(row.get(name, np.nan)) for name in ("frequency", *NUMBERS)},
         "lyapunov_error": float(np.nan_to_num(row.get("lyapunov_error", 0.0))),
         "period": int(row["period"]),
@@ -57,7 +59,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
 
 
 _FIELDS = {
-    *VALUES, *TORQUES, *NUMBERS,
+    *VALUES, *TORQUES, *UNCERTAINTIES, *NUMBERS, "window",
     *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
 }
 
@@ -98,7 +100,8 @@ def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
         "period": np.array([motion.period for motion in motions], np.intc),
         "kind": np.array([motion.kind for motion in motions], object),
         **{name: np.array([getattr(motion, name) for motion in motions], float) for name in VALUES},
-        **{name: _padded([getattr(motion, name) for motion in motions]) for name in TORQUES},
+        **{name: _padded([getattr(motion, name) for motion in motions]) for name in (*TORQUES, *UNCERTAINTIES)},
+        "window": np.array([float(motion.window) for motion in motions]) if any(motion.window for motion in motions) else None,
         "true_ac_rms": np.array([motion.rms for motion in motions], float) / np.sqrt(2),
         "coefficients": _padded([motion.coefficients for motion in motions]),
         **{name: None if np.isnan(values).all() else values for name, values in numbers.items()},

@@ -62,9 +62,12 @@ class Branch(Curves):
         Where the number of multipliers outside the unit circle is a guess.
     second_estimate : ndarray, (points,), or None
         Largest magnitude of a multiplier of the motion corrected by its estimated error; nan where it was not needed.
+    growth_rate : ndarray, (points,), or None
+        Growth rate of the slowest perturbation [1/s], the largest real part of a Floquet exponent; negative where stable.
     multipliers : ndarray of complex, (points, states), or None
         Floquet multipliers over one period of the motion; of a train of 160 states
-        (41 flexible shafts) or more the 16 of largest magnitude.
+        (41 flexible shafts) or more the 16 of largest magnitude. None where a period has more than 500 cycles of a mesh and
+        ``multipliers=True`` did not ask for them.
     coefficients : ndarray, (points, meshes, 1 + 2*harmonics)
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/subharmonic.
     error_estimate : ndarray, (points,)
@@ -113,6 +116,7 @@ class Branch(Curves):
     undecided: NDArray[np.bool_] | None
     count_undecided: NDArray[np.bool_] | None
     second_estimate: Array | None
+    growth_rate: Array | None
     multipliers: NDArray[np.complex128] | None
     coefficients: Array
     error_estimate: Array

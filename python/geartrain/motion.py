@@ -43,6 +43,17 @@ class Motion(Pictures):
         Lambda, the fundamental frequency over the characteristic frequency.
     period : int
         In periods of the fundamental; 0 where none was found.
+    window : float
+        Window from time 0 on over which the figures are taken, in periods of the fundamental, where the common period of the
+        meshes is too long for them; 0 where they are those of a period.
+    rms_uncertainty, mean_uncertainty, minimum_uncertainty, maximum_uncertainty, force_uncertainty : ndarray, (meshes,), or None
+        What a window ten times as long would change of ``rms``, ``mean``, ``minimum``, ``maximum`` and ``mesh_force_maximum``,
+        in 95 of 100 cases at most; None without a window.
+    torque_mean_uncertainty, torque_min_uncertainty, torque_max_uncertainty : ndarray, (shafts,), or None
+        Likewise of ``shaft_torque_mean``, ``shaft_torque_minimum`` and ``shaft_torque_maximum``.
+    ringing : float
+        Of a motion with a window: amplitude of free vibrations that take too long to die out, when they were last read, over the
+        alternating displacement, the largest of all meshes. nan where it is not known.
     rms : ndarray, (meshes,)
         The paper's: square root of the sum of squared harmonic amplitudes, sqrt(2) times the true AC rms.
     mean, minimum, maximum : ndarray, (meshes,)
@@ -54,7 +65,7 @@ class Motion(Pictures):
     separation_fraction, back_contact_fraction : ndarray, (meshes,)
         Shares of the period with the teeth apart, and with the back flanks in contact; 0 without backlash.
     coefficients : ndarray, (meshes, 1 + 2*harmonics)
-        Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/period.
+        Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/period, or Lambda/window.
     stable : bool or None
         None where no multipliers were asked for; ``refine`` finds them.
     undecided : bool
@@ -78,8 +89,9 @@ class Motion(Pictures):
     lyapunov_error : float
         What ``lyapunov_exponent`` is uncertain by, at 95 %; 0 for a periodic motion.
     kind : str
-        ``"periodic"``; where integration found no period ``"chaotic"``, ``"quasi-periodic"``, ``"still settling"`` (or of a longer
-        period than 16), ``"undecided"``, or ``"unbounded"`` where it was given up because it grew without bound.
+        ``"periodic"``; ``"stationary"`` where it has settled and the figures are those of a window; where integration found no
+        period ``"chaotic"``, ``"quasi-periodic"``, ``"still settling"`` (or of a longer period than 16), ``"undecided"``, or
+        ``"unbounded"`` where it was given up because it grew without bound.
     shaft_torque_mean, shaft_torque_minimum, shaft_torque_maximum : ndarray, (shafts,), or None
         In N m, over the period; NaN where rigid shafts side by side leave it undetermined.
     train : Train
@@ -109,6 +121,16 @@ class Motion(Pictures):
     lyapunov_exponent: float = float("nan")
     lyapunov_error: float = 0.0
     kind: str = "periodic"
+    window: float = 0.0
+    ringing: float = float("nan")
+    rms_uncertainty: Array | None = None
+    mean_uncertainty: Array | None = None
+    minimum_uncertainty: Array | None = None
+    maximum_uncertainty: Array | None = None
+    force_uncertainty: Array | None = None
+    torque_mean_uncertainty: Array | None = None
+    torque_min_uncertainty: Array | None = None
+    torque_max_uncertainty: Array | None = None
     floating: bool = False
     train: Description | None = field(default=None, repr=False)
 
@@ -136,17 +158,17 @@ class Motion(Pictures):
 
     @property
     def time(self) -> Array:
-        """Times of ``displacement``, in units of 1/characteristic_frequency, (samples,)."""
+        """Times of ``displacement``, over a period or the window, in units of 1/characteristic_frequency, (samples,)."""
         return self._period[0]
 
     @property
     def displacement(self) -> Array:
-        """Mesh displacement over one period, (samples, meshes)."""
+        """Mesh displacement over one period, or over the window, (samples, meshes)."""
         return self._period[1]
 
     @property
     def mesh_force(self) -> Array:
-        """Mesh force in N over one period, damping included, (samples, meshes)."""
+        """Mesh force in N over one period, or over the window, damping included, (samples, meshes)."""
         return self._period[2]
 
     @property
@@ -249,7 +271,7 @@ class Motion(Pictures):
         """
         check_motion(self)
         cosine, sine = self.coefficients[:, 1::2], self.coefficients[:, 2::2]
-        order = np.arange(1, cosine.shape[1] + 1) / (self.period or _LONGEST)
+        order = np.arange(1, cosine.shape[1] + 1) / (self.period or self.window or _LONGEST)
         return order, np.hypot(cosine, sine).T
 
     def refine(self) -> Motion:

@@ -45,6 +45,7 @@ class Pictures:
 
     frequency: float
     period: int
+    window: float
     rms: Array
     train: Description | None
 
@@ -141,12 +142,12 @@ class Pictures:
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure unless told.
         periods : int, optional
-            Periods of the fundamental; unless told a period of the motion, or 100 where it has none.
+            Periods of the fundamental; unless told a period of the motion, or 100 where it has none, or 1 where it has a window.
         **style
             For the line of matplotlib's ``plot``.
         """
         fine = 4 * self._samples()
-        ax, path, units = self._plane(mesh, ax, periods or self.period or _PLANE, fine)
+        ax, path, units = self._plane(mesh, ax, periods or self.period or (1 if self.window else _PLANE), fine)
         if self.period:
             # The equal spacing in time leaves long chords where the velocity is large, as in a contact.
             points = [values[:, mesh - 1] / (np.ptp(values[:, mesh - 1]) or 1.0) for values in (path.displacement, path.velocity)]
@@ -223,7 +224,7 @@ class Pictures:
             path = self.trajectory(ceil(periods))
             return path, slice(0, max(2, round(float(periods) * path.samples_per_period)))
         own: Any = self
-        whole = self.period or _HISTORY
+        whole = self.period or self.window or _HISTORY
         slowest = min((order.order for order in exciting_orders(self.train)), default=1) if self.train else 1
         share = min(1.0, max(_SHOWN, whole) / (slowest * whole))
         return own, slice(0, max(2, ceil(share * len(own.time))))
@@ -240,10 +241,12 @@ class Pictures:
     def _name_lines(self, ax: Axes, order: Array, places: Array, height: Array) -> None:
         """Names at the largest lines: multiples of the mesh orders, their sums and differences, and revolutions of bodies."""
         names = named_orders(self.train) if self.train is not None else {}
+        # The lines of a window lie beside the orders.
+        near = 0.5 / self.window if self.window else 1e-9
         taken: list[float] = []
         top, tall = ax.get_ylim()[1], ax.get_window_extent().height * 72 / ax.figure.dpi
         for line in np.argsort(-height)[:_MOST_NAMES]:
-            name = next((name for known, name in names.items() if abs(order[line] - known) < 1e-9), None)
+            name = next((name for known, name in names.items() if abs(order[line] - known) < near), None)
             free = all(abs(places[line] - place) > _ROOM * ax.get_xlim()[1] for place in taken)
             if name and free and height[line] > _NAMED * height.max():
                 taken.append(float(places[line]))

@@ -75,7 +75,14 @@ class RunUp(Table):
     state : ndarray
         At the end of the last window, as ``Motion.state``.
     start_period : int
-        Period of the steady motion with which it begins; 0 where it begins with a state of no steady motion.
+        Period of the steady motion with which it begins; 0 where it begins with a state of no steady motion, or its period is not
+        known because it is too long.
+    start_settling : float
+        Time for which it settled by the time constants of the train before it begins [s], where the common period of the meshes is
+        too long; 0 where it settled from period to period, or not at all.
+    start_ringing : float
+        Amplitude of free vibrations that take too long to die out, when they were last read, over the alternating displacement,
+        the largest of all meshes, where it settled by time constants; nan where it is not known.
     ended : str
         Why it ended, in words.
     complete : bool
@@ -106,6 +113,8 @@ class RunUp(Table):
     shaft_label: tuple[str, ...]
     speed: Array | None = None
     train: Description | None = None
+    start_settling: float = 0.0
+    start_ringing: float = float("nan")
 
     def __repr__(self) -> str:
         return f"<RunUp over {self.time[-1]:.6g} s, {len(self.time)} samples: {in_own_unit(self.ended, self.train)}>"

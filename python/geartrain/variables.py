@@ -98,7 +98,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs, the choice for trains with teeth; >= 1 and <= 1000, or 0"),
         "subharmonic": Variable("subharmonic", "integer", "int", 1, False, "Period of the motion in periods of the fundamental, eta; >= 1 and <= 1000"),
-        "stability": Variable("stability", "logical", "bool", True, False, "Floquet multipliers of every point"),
+        "stability": Variable("stability", "logical", "bool", True, False, "Whether every point is stable, by its Floquet multipliers or, where a period has more than 500 cycles of a mesh, its growth rate"),
+        "multipliers": Variable("multipliers", "logical", "bool", False, False, "Floquet multipliers of every point, however long the period is"),
         "shaft_torque": Variable("shaft_torque", "logical", "bool", True, False, "Mean and extremes of the torque of every shaft at every point"),
         "amplitude_limit": Variable("amplitude_limit", "real", "float", -1.0, False, "Rms over characteristic length beyond which the branch is followed but not recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the larger of half backlash and static deflection); > 0, or -1"),
         "coefficients": Variable("coefficients", "text", "Literal['exact', 'sampled']", "exact", False, "Fourier coefficients of the mesh force: exact from the contact events, or sampled (the discrete transform of the paper); 'exact' or 'sampled'"),
@@ -118,7 +119,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "points": Variable("points", "integer", "int", 121, False, "Frequencies in the range, both ends included; >= 1 and <= 100000"),
         "direction": Variable("direction", "text", "Literal['up', 'down', 'both']", "up", False, "Order in which the frequencies are visited, each starting from the motion before; 'up', 'down' or 'both'"),
         "harmonics": Variable("harmonics", "integer", "int", 0, False, "Harmonics of Lambda that are stored of the motion; 0: 16 of the highest mesh order; >= 1 and <= 20000, or 0"),
-        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which an unsettled motion is given up; >= 1"),
+        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which an unsettled motion is given up; of a motion with a window 1000 cycles of the slowest mesh, if that is less; >= 1"),
+        "window": Variable("window", "integer", "int", 0, False, "Cycles of the slowest mesh over which figures are taken, after settling by the time constants of the train; 0: 100 or more where all meshes together repeat themselves after more than 200 such cycles, or some mesh is idle and they do after 10 or more; else the figures are those of; >= 1 and <= 1.0e6, or 0"),
         "tolerance": Variable("tolerance", "real", "float", 1.0e-9, False, "Relative change over a period of the motion at which it counts as settled; > 0 and <= 1"),
         "stability": Variable("stability", "logical", "bool", False, False, "Floquet multipliers of every settled motion"),
     },
@@ -174,7 +176,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "duration": Variable("duration", "real", "float", None, True, "Time from the beginning to the end, in which the frequency changes linearly; [s]; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "samples": Variable("samples", "integer", "int", 0, False, "Equidistant samples of a period of the fundamental at the higher frequency; 0: 32 of the fastest mesh, more where harmonics of the excitation or vibrations of a mesh are faster; >= 1 and <= 1.0e8, or 0"),
-        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which the search for the steady motion at the beginning is given up, and the run-up begins with the state reached; 0: it begins at rest, or with the motion given in a call; >= 0"),
+        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Periods of the fundamental after which the search for the steady motion at the beginning is given up, or 1000 cycles of the slowest mesh where the common period is long, and the run-up begins with the state reached; 0: it begins at rest, or with the motion given in a call; >= 0"),
     },
     "locus": {
         "kind": Variable("kind", "text", "Literal['fold', 'period_doubling', 'neimark-sacker', 'branch_point', 'separation', 'back_contact']", "fold", False, "Kind of the special point; separation and back_contact: where a mesh begins to separate, or its back flanks to touch; 'fold', 'period_doubling', 'neimark-sacker', 'branch_point', 'separation' or 'back_contact'"),
@@ -320,6 +322,7 @@ class ResponseKeywords(TypedDict, total=False):
     harmonics: int
     subharmonic: int
     stability: bool
+    multipliers: bool
     shaft_torque: bool
     amplitude_limit: float
     coefficients: Literal["exact", "sampled"]
@@ -343,6 +346,7 @@ class IntegrationKeywords(TypedDict, total=False):
     direction: Literal["up", "down", "both"]
     harmonics: int
     max_periods: int
+    window: int
     tolerance: float
     stability: bool
 
@@ -428,5 +432,6 @@ class IntegrateKeywords(TypedDict, total=False):
     unit: Literal["Lambda", "rpm", "Hz"]
     harmonics: int
     max_periods: int
+    window: int
     tolerance: float
     stability: bool

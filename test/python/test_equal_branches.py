@@ -100,6 +100,19 @@ def test_meshes_split_into_parallel_ones():
     assert abs(split.frequency - whole.frequency) < 1e-8
 
 
+@pytest.mark.parametrize("ends", [(5.1, 5.25), (5.5, 5.85)])
+def test_a_branch_point_is_exact_from_either_branch(ends):
+    """Where unequal motions cross equal ones the unequal branch leads to the same exact point."""
+    response = star(3).response(start=ends[0], stop=ends[1], harmonics=8, branch_points=True)
+    special, = branch_points(response)
+    exact = special.exact()
+    crossing, = (point for point in branch_points(response.branches[0]) if point.multiplicity == 2)
+    other = crossing.exact()
+    assert abs(other.frequency - exact.frequency) < 1e-9
+    assert (other.crossing, other.multiplicity) == (exact.crossing, exact.multiplicity) == (2, 2)
+    np.testing.assert_allclose(other.motion.rms, exact.motion.rms, rtol=1e-7)
+
+
 def test_unequal_planets_are_no_equal_branches():
     """One planet that is 1 percent heavier leaves two equal ones: a multiplier at a time."""
     response = star(3, other=1.01).response(start=5.0, stop=5.4, harmonics=6)
@@ -117,6 +130,71 @@ def test_a_double_doubling_is_one_special_point():
     assert "1 of 3 equal branches against 2" in branch.origin
     assert branch.subharmonic == 2 and len(branch) > 5
     assert np.abs(branch.rms[:, 2] - branch.rms[:, 4]).max() < 1e-12 < 1e-2 < np.abs(branch.rms[:, 0] - branch.rms[:, 2]).max()
+
+
+def half_a_period_later(coefficients):
+    """Coefficients of motions, (mesh, coefficient), half a period later: odd harmonics change their sign."""
+    sign = np.ones(coefficients.shape[1])
+    sign[1::4] = sign[2::4] = -1
+    return coefficients * sign
+
+
+@pytest.mark.parametrize("harmonics", [6, 20])
+def test_two_planets_double_against_one_another(harmonics):
+    """One planet moves half a period later as another does, while the third one has half the period."""
+    response = star(3).response(start=12.8, stop=13.6, harmonics=harmonics, period_doublings=1)
+    branch = response.branches[1]
+    assert "1 of 3 equal branches against 1" in branch.origin
+    assert branch.subharmonic == 2 and len(branch) > 5
+    for coefficients in branch.coefficients:
+        np.testing.assert_allclose(coefficients[[2, 3, 0, 1, 4, 5]], half_a_period_later(coefficients), atol=1e-10)
+    assert np.abs(branch.rms[:, 0] - branch.rms[:, 4]).max() > 1e-2
+    # Shooting knows no symmetry and finds the same motions, stable ones among them.
+    refined = branch.refine()
+    assert branch.stable.any()
+    np.testing.assert_allclose(refined.rms[branch.stable], branch.rms[branch.stable], atol=2e-4)
+    # Where this symmetry ends the multiplier +1 is simple. Nothing else is listed where the branch is vertical.
+    special, = branch.special_points
+    assert (special.kind, special.multiplicity) == ("branch point", 1)
+    assert abs(special.frequency - 12.890832) < 2e-6
+
+
+def test_four_planets_double_against_one_another():
+    """One against one, while the two others move equally and have half the period; two against two without any others."""
+    response = star(4).response(start=12.8, stop=13.2, harmonics=6, period_doublings=1)
+    found = {re.search(r"(\d) of 4 equal branches against (\d)", branch.origin).groups(): branch for branch in response.branches}
+    for pair, order in (("1", "1"), [2, 3, 0, 1, 4, 5, 6, 7]), (("2", "2"), [4, 5, 6, 7, 0, 1, 2, 3]):
+        branch = found[pair]
+        assert len(branch) > 5
+        for coefficients in branch.coefficients:
+            np.testing.assert_allclose(coefficients[order], half_a_period_later(coefficients), atol=1e-10)
+    branch = found["1", "1"]
+    assert np.abs(branch.rms[:, 4] - branch.rms[:, 6]).max() < 1e-12 < 1e-2 < np.abs(branch.rms[:, 0] - branch.rms[:, 4]).max()
+
+
+@pytest.mark.full
+def test_integration_settles_on_planets_that_double_against_one_another():
+    """At 13.14 random starts reach this motion, in its three numberings, and no other."""
+    train = star(3)
+    response = train.response(start=13.0, stop=13.3, harmonics=12, period_doublings=1)
+    motion, = response.branches[1].at(13.14)
+    settled = train.attractors(frequency=13.14, starts=6)
+    assert settled
+    for other in settled:
+        assert other.period == 2
+        assert np.abs(np.sort(other.rms) - np.sort(motion.rms)).max() < 1e-4
+
+
+@pytest.mark.full
+def test_branches_of_renumbered_planets_are_one_branch():
+    """At 5.6 random starts reach one motion of unequal planets in several numberings: its branch is followed once."""
+    train = star(3)
+    response = train.response(start=5.1, stop=5.85, harmonics=12)
+    found = train.attractors(frequency=5.6, starts=12, follow=response)
+    unequal = [np.sort(motion.rms) for motion in found if motion.period == 1]
+    assert len(unequal) > 2
+    assert all(np.abs(rms - unequal[0]).max() < 1e-6 for rms in unequal)
+    assert len([branch for branch in found.branches if branch.subharmonic == 1]) == 1
 
 
 def test_files_keep_the_multiplicity(tmp_path):

@@ -41,6 +41,24 @@ def test_a_pair_within_a_step(seed):
     np.testing.assert_allclose([frequency for _, frequency in known], [frequency for _, frequency in exact], rtol=1e-6)
 
 
+@pytest.mark.parametrize("seed", [155, 276])
+def test_a_point_between_the_changes_of_a_pair(seed):
+    """The motions between two changes of stability within a step are on a point of their own, and may be what a sweep jumps to."""
+    rng = np.random.default_rng(seed)
+    train = random_train(rng)
+    plan = Plan(train, rng)
+    branch = train.response(start=0.6 * plan.start, stop=1.6 * plan.stop, harmonics=plan.harmonics, max_points=6000)
+    outside = (np.abs(branch.multipliers) > 1).sum(axis=1)
+    steps = [point.point for point in branch.special_points if point.kind in KINDS]
+    assert steps and all(outside[step] != outside[step + 1] for step in steps)
+    # The point lies where the two steps beside it meet, and what is listed in them lies on its two sides.
+    inside = [point for point in branch.special_points if point.kind in KINDS and point.point + 1 in steps]
+    assert inside
+    for point in inside:
+        low, high = sorted(branch.frequency[point.point:point.point + 2])
+        assert low <= point.frequency <= high
+
+
 @pytest.mark.nightly
 def test_random_trains(times):
     """Of 245 random loaded trains eight lost changes of stability when only the counts at both ends were compared."""

@@ -51,10 +51,11 @@ def test_a_run_up_of_a_part_of_the_period(train):
 
 
 @pytest.mark.nightly
-def test_the_motion_repeats_after_the_common_period(train):
-    found = train.integrate(1000.0, max_periods=20)
-    assert found.period == 1 and found.kind == "periodic"
-    # Flown on from the state found, at constant speed, for a tenth of the period: the forces stay within those of the motion.
+def test_a_window_has_the_forces_of_a_tenth_of_the_common_period(train):
+    found = train.integrate(1000.0)
+    assert found.period == 0 and found.kind == "stationary"
+    # Flown on from the state found, at constant speed, for a tenth of the period: the forces stay within those of the window.
     share = train.run_up(start=1000.0, stop=1000.0, duration=0.1 / found.fundamental_frequency, seed=found, max_periods=0)
-    reached = share.mesh_force_maximum.max(axis=0) / found.mesh_force_maximum
-    assert (reached < 1 + 1e-6).all() and (reached > 0.9).all()
+    reached = share.mesh_force_maximum.max(axis=0)
+    assert (reached <= found.mesh_force_maximum + found.force_uncertainty).all()
+    assert (reached > 0.9 * found.mesh_force_maximum).all()

@@ -4,6 +4,8 @@ module geartrain_analyses_integration
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_load_report, only: column_length, name_meshes, report_loads
+   use geartrain_analyses_steady_motion, only: check_start, find_steady, need_to_find
+   use geartrain_analyses_window_report, only: report_windows
    use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
@@ -19,9 +21,8 @@ module geartrain_analyses_integration
    use geartrain_flow_fields, only: visit_motions
    use geartrain_flow_floating, only: note_of
    use geartrain_flow_integration_settings, only: integration_settings_type
-   use geartrain_flow_lyapunov, only: find_exponent, kind_of
    use geartrain_flow_orbit, only: stored_harmonics
-   use geartrain_flow_settling, only: is_leaving, need_to_settle, settle
+   use geartrain_flow_window, only: goes_by_windows, window_of
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, visit_unit
@@ -30,7 +31,7 @@ module geartrain_analyses_integration
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_integration, check_start, integrate, integration_analysis_type, integration_row, most_harmonics, sweep, &
+   public :: check_integration, integrate, integration_analysis_type, integration_row, most_harmonics, sweep, &
       sweep_type
 
    type(group_row_type), parameter :: integration_row = group_row_type('integration', &
@@ -87,9 +88,14 @@ contains
       call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of the motion; 0: 16 of the highest &
                             &mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up', &
-         &least=one), &
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up; of &
+                            &a motion with a window 1000 cycles of the slowest mesh, if that is less', least=one), &
                         settings%max_periods)
+      call v%on_integer(row('window', '', 'cycles of the slowest mesh over which figures are taken, after settling by the time &
+                            &constants of the train; 0: 100 or more where all meshes together repeat themselves after more than &
+                            &200 such cycles, or some mesh is idle and they do after 10 or more; else the figures are those of &
+                            &a period', least=one, most=1e6*one, &
+                            automatic=zero), settings%window)
       call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
                          above=zero, most=one), settings%tolerance)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every settled motion'), settings%stability)
@@ -191,7 +197,7 @@ contains
       call check_integration(train, settings, error)
       if (allocated(error)) return
       call build_system(train, system)
-      call need_to_settle(system, settings%harmonics, error)
+      call need_to_find(system, settings, error)
       if (allocated(error)) return
       allocate (state(system%states))
       state = resting_state(system)
@@ -201,6 +207,7 @@ contains
       if (.not. resumed) then
          n = settings%harmonics
          if (n == 0) n = stored_harmonics(system)
+         if (goes_by_windows(system, settings%window)) n = ceiling(n*window_of(system, settings%window))
          call need(real(total, dp)*(storage_size(motion)/8 + 8*times*(2*n + 1 + figures)*system%meshes), &
                    'integration: no memory for '//text(total)//' motions', 'take fewer points', error)
          n = settings%points
@@ -219,10 +226,8 @@ contains
          if (n > 1) frequency_ratio = low + (high - low)*(mod(i - 1, n)/real(n - 1, dp))
          if (mod(i, n) == 0 .and. n > 1) frequency_ratio = high
          if (result%direction(i) == 'down') frequency_ratio = low + high - frequency_ratio
-         call settle(system, frequency_ratio, settings, state, motion, observer, stopped)
+         call find_steady(system, frequency_ratio, settings, state, motion, observer, stopped)
          if (stopped) exit
-         call add_exponent(system, settings, motion, observer)
-         if (system%interrupt%raised()) exit
          ! Only a complete motion is stored: a motion with a frequency counts as done where the sweep is taken up again.
          result%motions(i) = motion
          if (.not. allocated(motion%coefficients)) state = resting_state(system)
@@ -257,7 +262,7 @@ contains
       !> Settings, of which the range, `points` and `direction` are not used.
       type(integration_settings_type), intent(in) :: settings
       !> The motion; period 0: no period was found within max_periods, and the figures are those of the last 16 periods of the
-      !> fundamental.
+      !> fundamental, or of `window`.
       type(motion_type), intent(out) :: motion
       type(error_type), allocatable, intent(out) :: error
       !> Motion to start from, with a state or coefficients; absent: at rest under the mean load.
@@ -266,13 +271,14 @@ contains
       class(observer_type), intent(inout), optional :: observer
       type(system_type) :: system
       real(dp), allocatable :: state(:)
+      logical :: stopped
 
       call check_train(train, error)
       if (allocated(error)) return
       call check_single(train, settings, frequency_ratio, error)
       if (allocated(error)) return
       call build_system(train, system)
-      call need_to_settle(system, settings%harmonics, error)
+      call need_to_find(system, settings, error)
       if (allocated(error)) return
       allocate (state(system%states))
       state = resting_state(system)
@@ -281,35 +287,16 @@ contains
          if (allocated(error)) return
          call state_of(system, start, state)
       end if
-      call settle(system, frequency_ratio, settings, state, motion, observer)
-      if (system%interrupt%raised()) then
+      call find_steady(system, frequency_ratio, settings, state, motion, observer, stopped)
+      if (stopped .or. system%interrupt%raised()) then
          call fatal(error, 'interrupted before the motion was steady', status_ended_early)
          return
       else if (.not. allocated(motion%coefficients)) then
          call fatal(error, 'the motion grows without bound at Lambda = '// &
                     text(frequency_ratio)//': it was given up at a displacement &
                     &of '//text(maxval(abs(state(:system%displacements))))//' characteristic lengths', status_ended_early)
-         return
       end if
-      call add_exponent(system, settings, motion, observer)
    end subroutine integrate
-
-   !> Adds Lyapunov exponent and kind to a motion without a period, unless the motion grew without bound.
-   subroutine add_exponent(system, settings, motion, observer)
-      type(system_type), intent(in) :: system
-      type(integration_settings_type), intent(in) :: settings
-      type(motion_type), intent(inout) :: motion
-      class(observer_type), intent(inout), optional :: observer
-
-      if (motion%period > 0 .or. .not. allocated(motion%coefficients)) return
-      call find_exponent(system, motion%frequency_ratio, motion%state, settings%max_periods, motion%lyapunov_exponent, &
-                         motion%lyapunov_error, observer)
-      if (.not. allocated(motion%lyapunov_exponent)) return
-      motion%kind = kind_of(motion%frequency_ratio, motion%lyapunov_exponent, motion%lyapunov_error)
-      ! A motion that has not yet left an unstable orbit has the exponent of the orbit, and may still settle on a regular motion.
-      if (motion%kind /= 'chaotic') return
-      if (is_leaving(system, motion%frequency_ratio, motion%state, motion%lyapunov_exponent)) motion%kind = 'still settling'
-   end subroutine add_exponent
 
    !> Checks a single frequency and the settings, whose range is not used.
    subroutine check_single(train, settings, frequency_ratio, error)
@@ -334,27 +321,6 @@ contains
       single%points = 1
       call check_integration(train, single, error)
    end subroutine check_single
-
-   !> Whether a motion to start from has a state or coefficients of the right size.
-   subroutine check_start(system, start, error)
-      !> The train.
-      type(system_type), intent(in) :: system
-      !> The motion.
-      type(motion_type), intent(in) :: start
-      type(error_type), allocatable, intent(inout) :: error
-
-      if (allocated(start%state)) then
-         if (size(start%state) /= system%states) call fatal(error, 'start: a state of '//text(size(start%state)) &
-            //' values: must have '//text(system%states)//' (displacement of each elastic element, then the velocities)')
-      else if (.not. allocated(start%coefficients)) then
-         call fatal(error, 'start: has neither a state nor coefficients')
-      else if (size(start%coefficients, 2) /= system%meshes) then
-         call fatal(error, 'start: a motion of '//text(size(start%coefficients, 2))//' meshes: the train has ' &
-                    //text(system%meshes))
-      else if (start%period < 1) then
-         call fatal(error, 'start: a motion of period '//text(start%period)//' without a state: must be >= 1')
-      end if
-   end subroutine check_start
 
    subroutine visit_fields(self, train, fields, summary)
       class(integration_analysis_type), intent(inout) :: self
@@ -421,13 +387,14 @@ contains
       logical :: counts(size(self%result%motions))
       integer :: settled, period, first, i
 
-      settled = count(self%result%motions%period > 0)
+      settled = count(self%result%motions%period > 0 .or. self%result%motions%kind == 'stationary')
       write (unit, '(a, i0, 3a, i0, a, i0, a)') 'Integration: ', size(self%result%motions), ' points in ', &
          fixed(seconds, 2), ' s, ', settled, ' settled, ', size(self%result%motions) - settled, ' did not'
       do period = 1, maxval([0, self%result%motions%period])
          if (any(self%result%motions%period == period)) write (unit, '(a, i0, a, i0)') '    of period ', period, ': ', &
             count(self%result%motions%period == period)
       end do
+      call report_windows(train, self%result%motions, unit)
       told = frequency_text(train, self%settings%unit, maxval([0.0_dp, self%result%motions%frequency_ratio]))
       counts = [(allocated(self%result%motions(i)%mesh_load), i=1, size(counts))]
       if (any(counts)) then
@@ -437,7 +404,8 @@ contains
          call name_meshes(train, column, first)
          call report_loads(load, self%result%motions%frequency_ratio, counts, [(.false., i=1, size(counts))], told, &
                            column(:)(first:), trim(merge(', unsettled motions too', '                       ', &
-                                                         any(counts .and. self%result%motions%period == 0)))// &
+                                                         any(counts .and. self%result%motions%period == 0 .and. &
+                                                             self%result%motions%kind /= 'stationary')))// &
                            trim(merge('                           ', ', those without bound apart', all(counts))), unit)
       end if
       if (.not. allocated(self%result%ended)) return

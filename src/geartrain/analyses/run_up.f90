@@ -2,7 +2,7 @@
 module geartrain_analyses_run_up
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
-   use geartrain_analyses_integration, only: check_start
+   use geartrain_analyses_run_up_start, only: find_start, tell_start
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -14,11 +14,8 @@ module geartrain_analyses_run_up
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
-   use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_ramp, only: make_ramp, ramp_type
    use geartrain_flow_run_up, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
-   use geartrain_flow_settling, only: need_to_settle, settle
-   use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
@@ -88,9 +85,9 @@ contains
                             &fastest mesh, more where harmonics of the excitation or vibrations of a mesh are faster', &
                             least=one, most=most_samples*one, automatic=zero), settings%samples)
       call v%on_integer(row('max_periods', '', 'periods of the fundamental after which the search for the steady motion at the &
-         &beginning is &
-                            &given up, and the run-up begins with the state reached; 0: it begins at rest, or with the motion &
-                            &given in a call', least=zero), settings%max_periods)
+                            &beginning is given up, or 1000 cycles of the slowest mesh where the common period is long, and the &
+                            &run-up begins with the state reached; 0: it begins at rest, or with the motion given in a call', &
+                            least=zero), settings%max_periods)
       call v%leave()
    end subroutine visit_variables
 
@@ -174,7 +171,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Motion to settle from, with a state or coefficients; absent: at rest under the mean load.
       type(motion_type), intent(in), optional :: start
-      !> Told of 'run up' after each period of the slowest mesh and of 'settling' before; may end the run-up.
+      !> Told of 'run up' after each period of the slowest mesh, of 'settling' or 'settling by time' before; may end the run-up.
       class(observer_type), intent(inout), optional :: observer
       type(run_up_settings_type), target :: copy
       type(run_up_analysis_type) :: analysis
@@ -182,7 +179,6 @@ contains
       type(system_type) :: steady, system
       type(ramp_type) :: ramp
       real(dp), allocatable :: shift(:)
-      character(:), allocatable :: note
       logical :: stopped
       integer :: samples
 
@@ -208,7 +204,8 @@ contains
       call make_room(system, ramp, samples, size(train%shafts), result, error)
       if (allocated(error)) return
       if (.not. allocated(result%state)) then
-         call find_start(steady, system, shift, settings, ramp%start, result, error, stopped, start, observer)
+         call find_start(steady, system, shift, settings%max_periods, ramp%start, result, error, stopped, start, &
+                         observer)
          if (allocated(error)) return
          if (stopped) then
             result%ended = 'cancelled before the motion at Lambda = '//text(ramp%start)//' was steady'
@@ -216,10 +213,7 @@ contains
          end if
       end if
       call follow_ramp(system, shift, ramp, result, observer)
-      if (result%start_period > 0) return
-      note = '; no steady motion was found at Lambda = '//text(ramp%start)//': the run-up begins with the state after ' &
-             //text(settings%max_periods)//' periods of the fundamental'
-      if (settings%max_periods > 0) result%ended = result%ended//note
+      call tell_start(settings%max_periods, ramp%start, result)
    end subroutine run_up
 
    !> Makes the ramp, and the system of a train at constant speed and on the ramp.
@@ -237,48 +231,6 @@ contains
       call build_system(train, system, ramp%acceleration)
    end subroutine build_systems
 
-   !> Finds the state with which the run-up begins: of the steady motion under the mean torques of the ramp.
-   subroutine find_start(steady, system, shift, settings, frequency_ratio, result, error, stopped, start, observer)
-      type(system_type), intent(in) :: steady, system
-      real(dp), intent(in) :: shift(:)
-      type(run_up_settings_type), intent(in) :: settings
-      real(dp), intent(in) :: frequency_ratio
-      !> Gets state and start_period.
-      type(run_up_type), intent(inout) :: result
-      type(error_type), allocatable, intent(inout) :: error
-      logical, intent(out) :: stopped
-      type(motion_type), intent(in), optional :: start
-      class(observer_type), intent(inout), optional :: observer
-      type(integration_settings_type) :: settling
-      type(motion_type) :: motion
-      real(dp) :: state(system%states)
-
-      stopped = .false.
-      state = resting_state(system)
-      if (present(start)) then
-         call check_start(system, start, error)
-         if (allocated(error)) return
-         call state_of(steady, start, state)
-         state = state + shift
-      end if
-      if (settings%max_periods > 0) then
-         settling%max_periods = settings%max_periods
-         ! The state is all that is used of the motion.
-         settling%harmonics = 1
-         call need_to_settle(system, settling%harmonics, error)
-         if (allocated(error)) return
-         call settle(system, frequency_ratio, settling, state, motion, observer, stopped)
-         if (stopped) return
-         if (.not. allocated(motion%coefficients)) then
-            call fatal(error, 'run up: the motion grows without bound at Lambda = '//text(frequency_ratio)//', where the run-up &
-                       &begins', status_ended_early)
-            return
-         end if
-         result%start_period = motion%period
-      end if
-      result%state = state - shift
-   end subroutine find_start
-
    subroutine visit_fields(self, train, fields, summary)
       class(run_up_analysis_type), intent(inout) :: self
       type(train_type), intent(in) :: train
@@ -294,8 +246,15 @@ contains
                          result%ended, 'not yet: these are the samples so far')
          call carry(fields, field('complete', '', '', '1: the end of the ramp was reached'), result%complete)
          call carry(fields, field('start_period', '', '', 'period of the steady motion with which it begins [fundamental mesh &
-                                  &periods]; 0: the state with which it begins is of no steady motion', least=0), &
-                    result%start_period)
+                                  &periods]; 0: the state with which it begins is of no steady motion, or its period is not &
+                                  &known, see `start_ringing`', least=0), result%start_period)
+         call carry(fields, field('start_settling', '', 's', 'time for which it settled by the time constants of the train before &
+                                  &it begins; 0: from period to period, or not at all', optional=.true.), &
+                    result%start_settling)
+         call carry(fields, field('start_ringing', '', '1', 'amplitude of free vibrations that take too long to die out when the &
+                                  &run-up begins, over the alternating displacement, the largest of all meshes, where it settled &
+                                  &by time constants; NaN: not known', none_is_negative=.true., optional=.true.), &
+                    result%start_ringing)
          ! The axis `time` is as long as the samples that are done, and all arrays along it are cut to this length.
          if (allocated(result%time)) time = result%time(:result%samples)
          call carry(fields, field('time', 'time', 's', 'equidistant, from the beginning of the ramp'), time)

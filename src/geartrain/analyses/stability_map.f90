@@ -314,7 +314,7 @@ contains
       row%whole = branch%complete .and. .not. allocated(error)
       if (allocated(error)) return
       call begin_trace(train, branch_settings, systems, tracer, branch)
-      call tracer%recorder%setup(tracer%corrector%balance, .true., found)
+      call tracer%recorder%setup(tracer%corrector%balance, .true., found, multipliers=.true.)
       do k = 1, size(frequency_ratio)
          if (train%interrupt%raised()) return
          first = found%points + 1

@@ -83,7 +83,7 @@ contains
       self%column = balance%d_frequency
    end subroutine linearize
 
-   !> Signs of the determinants of the difference modes of equal branches, of the explicit harmonics, as bits; to be called between
+   !> Signs of the determinants of the parts of a fixed space, of the explicit harmonics, as bits; to be called between
    !> `linearize` and `factor`.
    integer function difference_signs(self, balance, fixed) result(signs)
       class(bordered_system_type), intent(inout) :: self

@@ -3,6 +3,7 @@ module geartrain_balance_error_estimate
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
    use geartrain_balance_products, only: driven, multiply, tail_force, transform_tail
+   use geartrain_balance_tail_harmonics, only: far, near, tail_harmonics
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
@@ -11,7 +12,7 @@ module geartrain_balance_error_estimate
    use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
    implicit none (type, external)
    private
-   public :: error_estimate_type, find_error_estimate, harmonics_for, resonance_ratio
+   public :: error_estimate_type, find_error_estimate, harmonics_for
 
    !> The estimate is doubtful beyond these values: 2 bend y/slope**2 (1: the fold lies at Lambda of the point); relative error;
    !> distance of an extreme from a wall below this share of the error [1].
@@ -20,19 +21,13 @@ module geartrain_balance_error_estimate
    !> error at constant Lambda falls only with the root of the shift of the fold.
    real(dp), parameter :: steepest = 0.05_dp
 
-   !> The tail has the harmonics up to `near` times the highest carried harmonic, and up to `far` times the highest carried harmonic
-   !> those near a natural frequency: within these ratios to a natural frequency of the train in contact, which separation lowers.
-   integer, parameter :: near = 3, far = 8
-   real(dp), parameter :: lowest_resonance = 0.7_dp, highest_resonance = 1.15_dp
-   !> Natural frequencies nearer to each other than this ratio have a range of harmonics near them in common.
-   real(dp), parameter :: resonance_ratio = highest_resonance/lowest_resonance
    !> Relative accuracy of iterative solutions for the estimate [1].
    real(dp), parameter :: accuracy = 1e-3_dp
 
    type :: error_estimate_type
       !> Ranges of natural frequencies of the train in contact over characteristic frequency [1], the lowest and the highest one of
-      !> each, (2, range), neighbours in a range by at most `resonance_ratio` apart; set by the caller before
-      !> `find_error_estimate`; not allocated: no harmonics near natural frequencies are added to the tail.
+      !> each, (2, range), neighbours in a range by at most `resonance_ratio` (geartrain_balance_tail_harmonics) apart; set by the
+      !> caller before `find_error_estimate`; not allocated: no harmonics near natural frequencies are added to the tail.
       real(dp), allocatable :: resonance(:, :)
       !> Relative error of the waveform [1], to first order: difference from the exact motion at equal Lambda or, where the exact
       !> branch turns before this Lambda, from the motion at its fold.
@@ -58,7 +53,6 @@ module geartrain_balance_error_estimate
    contains
       procedure :: waveform_error
       procedure, private :: reserve
-      procedure, private :: choose_tail
    end type error_estimate_type
 
 contains
@@ -92,7 +86,12 @@ contains
       estimate%limited = 0
       estimate%doubtful = .false.
       call estimate%reserve(balance)
-      call estimate%choose_tail(balance, frequency_ratio)
+      ! Handed on as it is, an array that is not allocated would be one of no size.
+      if (allocated(estimate%resonance)) then
+         call put(tail_harmonics(balance, frequency_ratio, estimate%resonance))
+      else
+         call put(tail_harmonics(balance, frequency_ratio))
+      end if
       estimate%remainder = 0
       estimate%error = 0*u
       if (estimate%count == 0) return
@@ -142,6 +141,16 @@ contains
                estimate%doubtful = .true.
          end do
       end associate
+
+   contains
+
+      subroutine put(harmonic)
+         integer, intent(in) :: harmonic(:)
+
+         estimate%count = size(harmonic)
+         estimate%harmonic(:size(harmonic)) = harmonic
+      end subroutine put
+
    end subroutine find_error_estimate
 
    !> Makes room for the longest tail.
@@ -166,45 +175,6 @@ contains
          call self%spectra(i)%reserve(balance%contact(i)%law, last)
       end do
    end subroutine reserve
-
-   !> Chooses the harmonics of the tail: all that the balance misses up to `near`, those near a natural frequency up to `far`, and
-   !> all of the excitation.
-   pure subroutine choose_tail(self, balance, frequency_ratio)
-      class(error_estimate_type), intent(inout) :: self
-      type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: frequency_ratio
-      logical :: taken(far*balance%highest)
-      real(dp) :: r(2)
-      integer :: k, step, least
-
-      self%count = 0
-      if (balance%unknowns == 0) then
-         ! Linear: harmonics do not make others.
-         self%count = size(balance%left_out)
-         self%harmonic(:self%count) = balance%left_out
-         return
-      end if
-      step = balance%repeats
-      taken = .false.
-      taken(balance%missing) = .true.
-      taken(pack(balance%left_out, balance%left_out <= size(taken))) = .true.
-      if (allocated(self%resonance)) then
-         do k = 1, size(self%resonance, 2)
-            r = self%resonance(:, k)*balance%eta/frequency_ratio
-            least = int(min(lowest_resonance*r(1), real(size(taken), dp))) + 1
-            taken(max(least, near*balance%highest + 1):int(min(highest_resonance*r(2), real(size(taken), dp)))) = .true.
-         end do
-      end if
-      do k = step, size(taken), step
-         if (.not. taken(k)) cycle
-         self%count = self%count + 1
-         self%harmonic(self%count) = k
-      end do
-      associate (rest => pack(balance%left_out, balance%left_out > size(taken)))
-         self%harmonic(self%count + 1:self%count + size(rest)) = rest
-         self%count = self%count + size(rest)
-      end associate
-   end subroutine choose_tail
 
    !> Displacements of linear meshes at the harmonics of the excitation that the balance leaves out, relative to their waveforms
    !> [1]; `harmonic` has the harmonics of the tail.

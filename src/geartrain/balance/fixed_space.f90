@@ -6,7 +6,11 @@
 !>
 !> The equations of the mean are those of a tree and its loops, whose rows the permutations do not exchange. With the rows that the
 !> train has where every mesh has its mean stiffness as divisor they do.
+!>
+!> A further symmetry has branches that move half a period later as others do (half_period.f90). Of the part of J that changes its
+!> sign by this symmetry the determinant is one more factor. This part has the number after those of the groups.
 module geartrain_balance_fixed_space
+   use geartrain_balance_half_period, only: half_period_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_linalg_elimination, only: determinant_sign, factor_matrix, solve_factored
@@ -18,8 +22,11 @@ module geartrain_balance_fixed_space
 
    !> Largest difference of two branches that move equally, over the largest coefficient.
    real(dp), parameter :: same = 1e-7_dp
+   !> Solution for a right side of the size of 1 beyond which a matrix of the size of 1 is singular to rounding, as along a branch
+   !> that leaves vertically, where every combination of critical directions is a motion.
+   real(dp), parameter :: singular = 1e10_dp
    !> Groups whose difference modes are watched: their signs are the bits of an integer.
-   integer, parameter :: most_groups = 30
+   integer, parameter :: most_groups = 29
 
    !> Equal branches that move equally.
    type :: group_type
@@ -34,11 +41,16 @@ module geartrain_balance_fixed_space
       integer, allocatable :: orbit(:)
       !> Equations of the mean where every mesh has its mean stiffness, (equation, unknown), and their inverse.
       real(dp), allocatable, private :: mean(:, :), inverse(:, :)
+      !> Branches that move half a period later as others do.
+      type(half_period_type) :: half_period
    contains
       procedure :: find
       procedure :: is_whole
+      procedure :: parts
+      procedure :: modes_of
       procedure :: has_differences
       procedure :: project
+      procedure :: project_at_once
       procedure :: keep_difference
       procedure :: as_right_side
       procedure :: direction
@@ -48,7 +60,7 @@ module geartrain_balance_fixed_space
 
 contains
 
-   !> Finds which equal branches move equally.
+   !> Finds which equal branches move equally, at once or half a period later.
    subroutine find(self, system, sets, u, tangent)
       class(fixed_space_type), intent(inout) :: self
       !> The train.
@@ -84,7 +96,8 @@ contains
             end do
          end associate
       end do
-      if (size(self%group) > 0) call find_mean(self, system)
+      call self%half_period%find(sets, u, tangent, same)
+      if (.not. self%is_whole()) call find_mean(self, system)
    end subroutine find
 
    !> Lets the unknowns of each row move equally.
@@ -126,6 +139,7 @@ contains
       if (info /= 0) then
          ! No train has such equations; without groups everything is as in a train without equal branches.
          deallocate (self%group)
+         if (allocated(self%half_period%later)) deallocate (self%half_period%later)
          allocate (self%group(0))
          self%orbit = [(i, i=1, n)]
          return
@@ -137,9 +151,28 @@ contains
    pure logical function is_whole(self)
       class(fixed_space_type), intent(in) :: self
 
-      is_whole = .true.
-      if (allocated(self%group)) is_whole = size(self%group) == 0
+      is_whole = self%parts() == 0
    end function is_whole
+
+   !> Number of parts of the other motions: a difference mode of each group and, where there is one, the part that changes its sign
+   !> half a period later.
+   pure integer function parts(self)
+      class(fixed_space_type), intent(in) :: self
+
+      parts = 0
+      if (allocated(self%group)) parts = size(self%group)
+      if (allocated(self%half_period%later)) parts = parts + 1
+   end function parts
+
+   !> Number of equal modes that a part stands for: of N branches that move equally N - 1 difference modes.
+   pure integer function modes_of(self, number)
+      class(fixed_space_type), intent(in) :: self
+      !> Number of the part.
+      integer, intent(in) :: number
+
+      modes_of = 1
+      if (number <= size(self%group)) modes_of = size(self%group(number)%unknown, 2) - 1
+   end function modes_of
 
    !> Whether a group has so many difference modes.
    pure logical function has_differences(self, modes)
@@ -150,11 +183,21 @@ contains
 
       has_differences = .false.
       if (self%is_whole()) return
-      has_differences = any([(size(self%group(g)%unknown, 2) - 1 == modes, g=1, size(self%group))])
+      has_differences = any([(self%modes_of(g) == modes, g=1, size(self%group))])
    end function has_differences
 
    !> Takes the part of coefficients that is in the space.
    pure subroutine project(self, x)
+      class(fixed_space_type), intent(in) :: self
+      !> Coefficients [1], (block, unknown).
+      real(dp), intent(inout) :: x(:, :)
+
+      call self%project_at_once(x)
+      call self%half_period%keep(1, x)
+   end subroutine project
+
+   !> Takes the part of coefficients in which equal branches move equally at once, whatever they do half a period later.
+   pure subroutine project_at_once(self, x)
       class(fixed_space_type), intent(in) :: self
       !> Coefficients [1], (block, unknown).
       real(dp), intent(inout) :: x(:, :)
@@ -169,19 +212,25 @@ contains
             x(l, member) = sum(x(l, member))/size(member)
          end do
       end do
-   end subroutine project
+   end subroutine project_at_once
 
-   !> Takes the part of coefficients that is a difference of the first two branches of a group; the other branches get 0.
+   !> Takes a part of coefficients: a difference of the first two branches of a group, where the other branches get 0; or what
+   !> changes its sign half a period later.
    pure subroutine keep_difference(self, number, x)
       class(fixed_space_type), intent(in) :: self
-      !> Number of the group.
+      !> Number of the part.
       integer, intent(in) :: number
       !> Coefficients [1], (block, unknown).
       real(dp), intent(inout) :: x(:, :)
-      real(dp) :: half(size(x, 1), size(self%group(number)%unknown, 1)), other(size(x, 1), size(x, 2))
+      real(dp) :: half(size(x, 1), size(x, 2)), other(size(x, 1), size(x, 2))
       integer :: i, j
       integer, allocatable :: member(:)
 
+      if (number > size(self%group)) then
+         call self%project_at_once(x)
+         call self%half_period%keep(-1, x)
+         return
+      end if
       associate (unknown => self%group(number)%unknown)
          other = x
          x = 0
@@ -189,8 +238,8 @@ contains
             member = pack([(j, j=1, size(unknown, 1))], self%orbit(unknown(:, 1)) == self%orbit(unknown(i, 1)))
             half(:, i) = sum(other(:, unknown(member, 1)) - other(:, unknown(member, 2)), 2)/(2*size(member))
          end do
-         x(:, unknown(:, 1)) = half
-         x(:, unknown(:, 2)) = -half
+         x(:, unknown(:, 1)) = half(:, :size(unknown, 1))
+         x(:, unknown(:, 2)) = -half(:, :size(unknown, 1))
       end associate
    end subroutine keep_difference
 
@@ -234,7 +283,8 @@ contains
       end associate
    end function direction
 
-   !> Signs of the determinants of the difference modes, as bits: bit g - 1 is 1 where that of group g is negative.
+   !> Signs of the determinants of the parts, as bits: bit g - 1 is 1 where that of part g is negative. -1: one of them is 0 to
+   !> rounding.
    integer function signs(self, matrix)
       class(fixed_space_type), intent(in) :: self
       !> Jacobian of the balance, not factored, of a motion in this space.
@@ -242,53 +292,94 @@ contains
       integer :: g
 
       signs = 0
-      do g = 1, size(self%group)
-         if (sign_of(self, matrix, g) < 0) signs = ibset(signs, g - 1)
+      do g = 1, self%parts()
+         select case (sign_of(self, matrix, g))
+         case (-1)
+            signs = ibset(signs, g - 1)
+         case (0)
+            signs = -1
+            return
+         end select
       end do
    end function signs
 
-   !> Sign of the determinant of the difference mode of a group.
+   !> Sign of the determinant of a part; 0: it is singular to rounding.
    integer function sign_of(self, matrix, number)
       class(fixed_space_type), intent(in) :: self
       type(bordered_type), intent(in) :: matrix
       integer, intent(in) :: number
-      real(dp), allocatable :: mode(:, :)
-      integer, allocatable :: first(:), pivot(:)
+      real(dp), allocatable :: mode(:, :), x(:)
+      integer, allocatable :: first(:), image(:), pivot(:), sign(:), used(:)
+      logical, allocatable :: paired(:)
       integer :: i, info, j, k, n
 
-      associate (unknown => self%group(number)%unknown, block => matrix%block)
-         ! Of unknowns of a branch that move equally one stands for all.
-         first = pack([(i, i=1, size(unknown, 1))], &
-                      [(findloc(self%orbit(unknown(:, 1)), self%orbit(unknown(i, 1)), 1) == i, i=1, size(unknown, 1))])
+      associate (block => matrix%block, orbit => self%orbit)
+         ! Of unknowns that move equally one stands for all, and of two that change places half a period later one for both.
+         if (number <= size(self%group)) then
+            associate (unknown => self%group(number)%unknown)
+               first = pack([(i, i=1, size(unknown, 1))], &
+                            [(findloc(orbit(unknown(:, 1)), orbit(unknown(i, 1)), 1) == i, i=1, size(unknown, 1))])
+               image = unknown(first, 2)
+               first = unknown(first, 1)
+            end associate
+            sign = [(-1, i=1, block)]
+         else
+            associate (later => self%half_period%later)
+               first = pack([(i, i=1, size(orbit))], [(orbit(i) == i .and. orbit(later(i)) >= i, i=1, size(orbit))])
+               image = later(first)
+            end associate
+            sign = -self%half_period%sign(:block)
+         end if
+         paired = [(number <= size(self%group) .or. orbit(image(i)) /= orbit(first(i)), i=1, size(first))]
          n = block*size(first)
          allocate (mode(n, n), source=0.0_dp)
-         allocate (pivot(n))
          do j = 1, size(first)
-            do k = 1, size(unknown, 1)
-               if (self%orbit(unknown(k, 1)) /= self%orbit(unknown(first(j), 1))) cycle
+            do k = 1, size(orbit)
                do i = 1, size(first)
                   associate (part => mode((i - 1)*block + 1:i*block, (j - 1)*block + 1:j*block))
-                     call add(part, unknown(first(i), 1), unknown(k, 1), 1)
-                     call add(part, unknown(first(i), 1), unknown(k, 2), -1)
+                     if (moves(k, first(j))) call add(part, first(i), k, abs(sign))
+                     if (paired(j) .and. moves(k, image(j))) call add(part, first(i), k, sign)
                   end associate
                end do
             end do
          end do
+         ! An unknown that takes its own place half a period later has odd harmonics alone in this part.
+         used = pack([(i, i=1, n)], [((paired(j) .or. sign(i) > 0, i=1, block), j=1, size(first))])
       end associate
+      mode = mode(used, used)
+      n = size(used)
+      allocate (pivot(n))
       call factor_matrix(n, mode, pivot, info)
-      sign_of = 1
-      if (info == 0) sign_of = determinant_sign(mode, pivot)
+      sign_of = 0
+      if (info /= 0) return
+      x = [(cos(real(i, dp)), i=1, n)]
+      call solve_factored(n, 1, mode, pivot, x)
+      if (maxval(abs(x)) < singular) sign_of = determinant_sign(mode, pivot)
 
    contains
 
-      !> Adds the block of a row and a column.
+      !> Whether unknown k moves as unknown `as` does, in its own branch where the part is a difference of two branches.
+      pure logical function moves(k, as)
+         integer, intent(in) :: k, as
+
+         moves = self%orbit(k) == self%orbit(as)
+         if (number <= size(self%group)) then
+            associate (unknown => self%group(number)%unknown)
+               moves = moves .and. any(unknown(:, merge(1, 2, any(unknown(:, 1) == as))) == k)
+            end associate
+         end if
+      end function moves
+
+      !> Adds the block of a row and a column, each column of it with a sign.
       subroutine add(part, row, column, sense)
          real(dp), intent(inout) :: part(:, :)
-         integer, intent(in) :: row, column, sense
-         integer :: entry, l
+         integer, intent(in) :: row, column, sense(:)
+         integer :: entry, l, c
 
          entry = matrix%graph%entry_of(row, column)
-         if (entry > 0) part(2:, :) = part(2:, :) + sense*matrix%entry(2:, :, entry)
+         do c = 1, size(sense)
+            if (entry > 0) part(2:, c) = part(2:, c) + sense(c)*matrix%entry(2:, c, entry)
+         end do
          do l = 1, size(self%orbit)
             if (.not. abs(self%inverse(row, l)) > 0) cycle
             entry = matrix%graph%entry_of(l, column)
@@ -298,16 +389,17 @@ contains
 
    end function sign_of
 
-   !> Sign of the determinant in the space, from that of the whole matrix and the signs of the difference modes.
+   !> Sign of the determinant in the space, from that of the whole matrix and the signs of the parts; 0: not known.
    pure integer function restricted(self, orientation, signs)
       class(fixed_space_type), intent(in) :: self
-      !> Sign of the determinant of the whole matrix; signs of the difference modes as `signs` gives them.
+      !> Sign of the determinant of the whole matrix; signs of the parts as `signs` gives them.
       integer, intent(in) :: orientation, signs
       integer :: g
 
       restricted = orientation
-      do g = 1, size(self%group)
-         if (btest(signs, g - 1) .and. mod(size(self%group(g)%unknown, 2), 2) == 0) restricted = -restricted
+      if (signs < 0) restricted = 0
+      do g = 1, self%parts()
+         if (btest(signs, g - 1) .and. mod(self%modes_of(g), 2) == 1) restricted = -restricted
       end do
    end function restricted
 

@@ -5,13 +5,13 @@
 module geartrain_balance_mesh_load
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_trigonometric, only: evaluate, least_height, next_maximum, sample
+   use geartrain_linalg_trigonometric, only: evaluate, least_height, next_maximum, resolution, sample
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: mesh_load_type, force_reader_type, put_force
+   public :: mesh_load_type, force_reader_type, load_resolution, put_force
 
    type :: mesh_load_type
       !> Largest mesh force over the period in the direction of the static force [N]; without a static force, in either direction.
@@ -56,6 +56,40 @@ contains
          end do
       end do
    end subroutine setup
+
+   !> The harmonic whose `fine_samples` show the extremes of the displacement of a mesh and of its force: of hunting teeth much
+   !> lower than the highest.
+   pure integer function load_resolution(law, eta, frequency_ratio, u, harmonic, force)
+      !> Force law of the mesh.
+      type(law_type), intent(in) :: law
+      !> Period of the motion [periods of the fundamental].
+      integer, intent(in) :: eta
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Coefficients of the mesh displacement over b_c [1], (coefficient): mean, cos, sin, ... of each harmonic.
+      real(dp), intent(in) :: u(:)
+      !> Harmonics of Lambda/eta.
+      integer, intent(in) :: harmonic(:)
+      !> Root of the sum of squared amplitudes of phi [1].
+      real(dp), intent(in) :: force
+      !> Sums of the amplitudes times powers of their harmonics.
+      real(dp) :: moment(0:4), third, h, kappa
+      integer :: i, k, highest
+
+      moment = 0
+      do k = 1, size(harmonic)
+         moment = moment + hypot(u(2*k), u(2*k + 1))*real(harmonic(k), dp)**[(i, i=0, 4)]
+      end do
+      third = maxval(law%stiffness)*moment(3) + maxval(law%damping)*frequency_ratio/eta*moment(4)
+      moment(0) = moment(0) + abs(u(1)) + maxval(abs(law%origin))
+      do i = 1, size(law%harmonic)
+         h = eta*law%harmonic(i)
+         kappa = maxval(abs(law%amplitude(i, :)))
+         third = third + kappa*(h**3*moment(0) + 3*h**2*moment(1) + 3*h*moment(2) + moment(3))
+      end do
+      highest = maxval([1, harmonic])
+      load_resolution = max(resolution(norm2(u(2:)), moment(3), highest), resolution(force, third, highest))
+   end function load_resolution
 
    !> Sets the largest force and the dynamic factor of a mesh.
    pure subroutine put_force(system, mesh, largest, largest_reversed, load)

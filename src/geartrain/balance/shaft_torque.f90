@@ -4,7 +4,7 @@ module geartrain_balance_shaft_torque
    use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_trigonometric, only: extremes
+   use geartrain_linalg_trigonometric, only: extremes, fine_samples, own_resolution
    use geartrain_model_receptance, only: amplitude_at, linear_displacements
    implicit none (type, external)
    private
@@ -18,7 +18,8 @@ contains
       type(balance_type), intent(in) :: balance
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
-      !> Planned for `fine_samples` of the harmonics of the balance; its samples are overwritten.
+      !> Planned for `fine_samples` of the harmonics of the balance, planned anew where it carries a set of harmonics; its samples
+      !> are overwritten.
       type(transform_type), intent(inout) :: transform
       !> Torques [N m], positive where the first body of the shaft drives the second.
       real(dp), intent(out) :: mean(:), minimum(:), maximum(:)
@@ -65,6 +66,7 @@ contains
          do s = 1, paths%shafts
             if (paths%known(s)) then
                coefficients(1, s) = mean(s)
+               if (balance%chosen) call transform%plan(fine_samples(own_resolution(coefficients(:, s), balance%harmonic)))
                call extremes(coefficients(:, s), balance%harmonic, transform, minimum(s), maximum(s))
             else
                mean(s) = ieee_value(mean(s), ieee_quiet_nan)

@@ -3,8 +3,9 @@
 module geartrain_continuation_adaptive_corrector
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_chosen_harmonics, only: fewest_harmonics, most_harmonics
-   use geartrain_balance_error_estimate, only: error_estimate_type, find_error_estimate, harmonics_for, resonance_ratio
+   use geartrain_balance_error_estimate, only: error_estimate_type, find_error_estimate, harmonics_for
    use geartrain_balance_harmonic_set, only: next_set
+   use geartrain_balance_tail_harmonics, only: resonance_ratio
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_continuation_branch, only: response_settings_type

@@ -7,9 +7,9 @@ module geartrain_continuation_branch
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_settings, only: response_settings_type
-   use geartrain_flow_fields, only: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, &
-      about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, carry_torques, &
-      coefficient_axis, on_stability
+   use geartrain_flow_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, &
+      about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, &
+      carry_torques, coefficient_axis, on_multipliers, on_stability
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, gap_along, has_sets, &
@@ -103,13 +103,14 @@ module geartrain_continuation_branch
       character(:), allocatable :: parameter, parameter_unit
       real(dp) :: constant_frequency = 0
       real(dp), allocatable :: half_backlash_at(:, :)
-      !> Floquet multipliers, (state, point); not allocated: stability was not asked for.
+      !> Floquet multipliers, (state, point); not allocated: stability was not asked for. Where the period is long: no states.
       complex(dp), allocatable :: multipliers(:, :)
       !> Floquet multipliers over one repetition of the waveform, (state, point), of which `multipliers` are powers; allocated where
       !> the motions repeat themselves within the period and stability was asked for.
       complex(dp), allocatable :: repetition_multipliers(:, :)
-      !> Whether all multipliers are inside the unit circle, (point); not allocated: stability was not asked for.
+      !> Whether all perturbations die out, and the rate of the slowest [1/s], (point); not allocated: stability was not asked for.
       logical, allocatable :: stable(:)
+      real(dp), allocatable :: growth_rate(:)
       !> Whether `stable` is a guess, because the largest multiplier is as near to the unit circle as it is uncertain, (point), see
       !> geartrain_continuation_stability_assessment.
       logical, allocatable :: undecided(:)
@@ -398,17 +399,20 @@ contains
       type(branch_type), intent(inout) :: branch
       class(fields_type), intent(inout) :: fields
 
-      call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
       call carry(fields, row('stable', 'point', '1', about_stable, on_stability), branch%stable)
       call carry(fields, row('undecided', 'point', '1', about_undecided, on_stability), branch%undecided)
+      call carry(fields, row('growth_rate', 'point', '1/s', about_growth_rate, on_stability), branch%growth_rate)
       call carry(fields, row('count_undecided', 'point', '1', '1 = how many multipliers are outside the unit circle is a guess: &
                              &one is as near to it as it is uncertain', on_stability), branch%count_undecided)
       call carry(fields, row('second_estimate', 'point', '1', 'second estimate of the largest magnitude of a multiplier: of the &
                              &motion corrected by its estimated error; NaN where it was not needed: no contact event, none that &
                              &can move it across the unit circle, or undecided anyway', on_stability, none_is_negative=.true.), &
                  branch%second_estimate)
-      call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
-                             &(41 flexible shafts) or more the 16 of largest magnitude', on_stability), branch%multipliers)
+      if (fields%has('multipliers', branch%states > 0)) then
+         call fields%index_axis('state', branch%states, 'number of the multiplier, in no order that holds between points')
+         call carry(fields, row('multipliers', 'point state complex', '1', about_multipliers//'; of a train of 160 states &
+                                &(41 flexible shafts) or more the 16 of largest magnitude', on_multipliers), branch%multipliers)
+      end if
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
                                 &the waveform, of which `multipliers` are powers', on_stability//', where all orders have a &

@@ -33,7 +33,7 @@ module geartrain_continuation_corrector
       !> Sign of the bordered determinant, in the space in which equal branches move equally: changes along a branch only at a
       !> branch point or by a jump to another branch; 0: unknown.
       integer :: orientation = 0
-      !> Signs of the determinants of the difference modes of equal branches, as bits; negative: unknown.
+      !> Signs of the determinants of the parts of the motions in which equal branches do not move so, as bits; negative: unknown.
       integer :: differences = -1
    end type solution_point_type
 
@@ -55,7 +55,7 @@ module geartrain_continuation_corrector
       !> Evaluations of the balance so far: unchanged while the corrector is at one solution point.
       integer :: evaluations = 0
       real(dp), allocatable, private :: step(:, :)
-      !> Signs of the difference modes at the latest Newton step.
+      !> Signs of these determinants at the latest Newton step.
       integer, private :: differences = 0
    contains
       procedure :: setup
@@ -80,11 +80,12 @@ contains
       class(corrector_type), intent(inout) :: self
 
       call self%matrix%setup(self%balance)
+      call self%fixed%half_period%take_harmonics(self%balance%harmonic/self%balance%repeats, self%balance%waves())
       if (allocated(self%step)) deallocate (self%step)
       allocate (self%step(self%balance%block, self%balance%unknowns))
    end subroutine setup
 
-   !> Keeps to motions in which those equal branches move equally that do so on a branch.
+   !> Keeps to motions in which those equal branches move equally, at once or half a period later, that do so on a branch.
    subroutine keep_equal(self, solution)
       class(corrector_type), intent(inout) :: self
       !> Solution point of the branch, with its tangent.

@@ -77,7 +77,10 @@ contains
       call solve_next_to(tracer, branch, special, from, h, success)
       if (.not. success) return
       groups = 0
-      if (.not. tracer%corrector%fixed%is_whole()) groups = size(tracer%corrector%fixed%group)
+      if (.not. tracer%corrector%fixed%is_whole()) then
+         groups = size(tracer%corrector%fixed%group)
+         if (branch%special_points(special)%kind == 'branch point') groups = tracer%corrector%fixed%parts()
+      end if
       ! The critical direction may have any symmetry: the point that is nearest to the special point has the right one.
       success = .false.
       group = 0
@@ -98,6 +101,7 @@ contains
       end associate
       if (.not. success .or. group == 0) return
       associate (fixed => tracer%corrector%fixed)
+         if (group > size(fixed%group)) return
          g = 1
          if (present(pattern)) g = pattern
          solution%tangent = fixed%direction(group, g, solution%tangent)

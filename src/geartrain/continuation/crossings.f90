@@ -1,5 +1,5 @@
 !> Branch points in a step along a branch: where the determinant of the motions that keep their symmetry changes sign, and where
-!> that of a difference mode of equal branches does.
+!> that of a part does in which equal branches cease to move as they do.
 module geartrain_continuation_crossings
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
@@ -50,7 +50,7 @@ contains
          if (g == 0 .and. .not. crosses) cycle
          if (g > 0) then
             if (.not. btest(changed, g - 1)) cycle
-            one%multiplicity = size(corrector%fixed%group(g)%unknown, 2) - 1
+            one%multiplicity = corrector%fixed%modes_of(g)
          end if
          call find_crossing(corrector, here, h, g, one%frequency_ratio, one%rms, located)
          if (.not. located) cycle

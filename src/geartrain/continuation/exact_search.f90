@@ -7,6 +7,8 @@ module geartrain_continuation_exact_search
    use geartrain_continuation_decided, only: nearest_decided
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type
    use geartrain_continuation_orbit_tests, only: back_contact, choose_test, critical, is_onset
+   use geartrain_model_equal_branches, only: equal_branches_type, find_equal_branches
+   use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
    public :: change_at, ends_of, find_exact, guess_from_point, neighbours
@@ -16,6 +18,9 @@ module geartrain_continuation_exact_search
    !> Least Lambda on the way over Lambda at its beginning: towards 0 the integration takes ever longer.
    real(dp), parameter :: slowest = 0.5_dp
    integer, parameter :: max_steps = 100
+   !> Distance in Lambda of a branch point of the balance from that of the exact motion, in the unit of Lambda, up to which the two
+   !> are one.
+   real(dp), parameter :: near = 0.01_dp
 
 contains
 
@@ -42,12 +47,69 @@ contains
       if (found) call corrector%correct(start, found)
       if (.not. found) return
       call search(corrector, start, special%kind, special%multiplicity, sense_of(branch, special, change), exact, found)
+      if (.not. found .and. special%kind == 'branch point' .and. special%multiplicity > 1) &
+         call search_equal(corrector, branch, special, exact, found)
       if (found .or. special%kind /= 'branch point' .or. special%multiplicity > 1) return
       ! On a branch that begins and ends there, as its own mirror image, Lambda turns and no test function tells it from a fold: the
       ! branch point is solved for from beside it.
       exact = start
       found = .true.
    end subroutine find_exact
+
+   !> Finds the branch point at which a branch of unequal motions crosses one on which equal branches move equally. Only on the
+   !> latter do as many multipliers pass +1 together as the branch point has; the orbit gets the tangent of the latter.
+   subroutine search_equal(corrector, branch, special, exact, found)
+      type(orbit_corrector_type), intent(inout) :: corrector
+      type(branch_type), intent(in) :: branch
+      type(special_point_type), intent(in) :: special
+      type(orbit_type), intent(inout) :: exact
+      logical, intent(out) :: found
+      type(equal_branches_type), allocatable :: sets(:)
+      type(orbit_type) :: ends(2), start
+      type(motion_type) :: motion
+      real(dp) :: way
+      integer :: i, points(2)
+
+      found = .false.
+      call find_equal_branches(corrector%system, sets)
+      if (size(sets) == 0) return
+      points = ends_of(branch, special)
+      do i = 1, 2
+         motion%frequency_ratio = branch%frequency_ratio(points(i))
+         motion%period = branch%subharmonic
+         motion%coefficients = coefficients_of(branch, points(i))
+         call make_equal(corrector%system, sets, motion%coefficients)
+         call corrector%first_guess(motion, ends(i))
+         call corrector%solve_at(ends(i), found)
+         if (.not. found) return
+      end do
+      start = ends(1)
+      call corrector%point_at(ends(1), ends(2), start, way)
+      found = way > 0
+      if (found) call corrector%correct(start, found)
+      if (found) call search(corrector, start, special%kind, special%multiplicity, 0, exact, found)
+      if (found) found = abs(exact%frequency_ratio/corrector%times - special%frequency_ratio) &
+                         < near*corrector%units%frequency_ratio/corrector%times
+   end subroutine search_equal
+
+   !> Gives equal branches the mean of their motions.
+   subroutine make_equal(system, sets, coefficients)
+      type(system_type), intent(in) :: system
+      type(equal_branches_type), intent(in) :: sets(:)
+      !> Coefficients [1], (coefficient, mesh).
+      real(dp), intent(inout) :: coefficients(:, :)
+      integer :: i, j, l
+      integer, allocatable :: mesh(:)
+
+      do i = 1, size(sets)
+         do l = 1, size(sets(i)%unknown, 1)
+            mesh = system%network%elements(system%cut%element(sets(i)%unknown(l, :)))%mesh
+            do j = 1, size(coefficients, 1)
+               coefficients(j, mesh) = sum(coefficients(j, mesh))/size(mesh)
+            end do
+         end do
+      end do
+   end subroutine make_equal
 
    !> Indices of the points of the branch on both sides of a special point.
    pure function ends_of(branch, special) result(ends)
@@ -73,7 +135,7 @@ contains
       logical :: pair(size(branch%special_points))
 
       change = 0
-      if (is_onset(special%kind) .or. .not. allocated(branch%stable)) return
+      if (is_onset(special%kind) .or. .not. allocated(branch%stable) .or. branch%states == 0) return
       ends = ends_of(branch, special)
       sides = [nearest_decided(branch, number, -1), nearest_decided(branch, number, 1)]
       sides = merge(sides, ends, sides > 0)

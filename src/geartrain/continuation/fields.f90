@@ -105,7 +105,9 @@ contains
       class(fields_type), intent(inout) :: fields
 
       call carry(fields, row('kind', '', '', 'fold; period doubling; neimark-sacker: a pair of multipliers leaves the unit circle; &
-                             &branch point: another branch of the same period crosses, a multiplier passes +1 without a fold'), &
+                             &branch point: another branch of the same period crosses, a multiplier passes +1 without a fold; &
+                             &stability change: of a motion of long period, whose multipliers are not computed, the growth rate &
+                             &passes 0'), &
                  special%kind)
       if (special%kind == 'torus') special%kind = 'neimark-sacker'
       call carry_free(branch, fields, special%frequency_ratio)

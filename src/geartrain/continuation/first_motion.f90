@@ -8,6 +8,7 @@ module geartrain_continuation_first_motion
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_start, only: begin_trace, motion_at, resting, solution_of
    use geartrain_continuation_tracer, only: reached_end, tracer_type
+   use geartrain_floquet_growth, only: has_long_period
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_orbit_search, only: orbit_search_type
    use geartrain_flow_settling, only: settle
@@ -41,6 +42,7 @@ contains
    !> - the branch over the stiffness variation, from a train whose stiffness hardly varies;
    !> - an orbit, stable or not, near the flow from rest;
    !> - the branch of such an orbit at another Lambda.
+   !> A motion of long period, which takes minutes to fly over, is not looked for in flights.
    recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
@@ -64,6 +66,7 @@ contains
       real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
       real(dp) :: elsewhere(size(times) + size(share))
       integer :: i, round
+      logical :: flies
 
       if (allocated(tracer%corrector%balance%path)) then
          call find_start_at(tracer, frequency_ratio, solution, success, enough, stopped, observer)
@@ -74,12 +77,15 @@ contains
       solution = resting(tracer, frequency_ratio)
       call tracer%corrector%solve_at(solution, success)
       if (success) return
-      state = resting_state(tracer%system)
-      integration%harmonics = exact_harmonics(tracer)
-      call settle(tracer%system, frequency_ratio, integration, state, motion, observer, stopped)
-      if (stopped) return
-      if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) &
-         call solve_near(tracer, motion, solution, success, enough)
+      flies = .not. has_long_period(tracer%corrector%balance)
+      if (flies) then
+         state = resting_state(tracer%system)
+         integration%harmonics = exact_harmonics(tracer)
+         call settle(tracer%system, frequency_ratio, integration, state, motion, observer, stopped)
+         if (stopped) return
+         if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) &
+            call solve_near(tracer, motion, solution, success, enough)
+      end if
       elsewhere = [times*frequency_ratio, frequency_ratio + share*(other - frequency_ratio)]
       do round = 1, 2
          do i = 1, size(elsewhere)
@@ -98,6 +104,7 @@ contains
             solution = solution_of(tracer, motion)
             call tracer%corrector%solve_at(solution, success)
          end if
+         if (.not. flies) exit
          if (.not. success) &
             call solve_near_flow(tracer, frequency_ratio, min(sections_here, 10*sections_here/tracer%system%states), solution, &
                                  success, enough, stopped, observer)

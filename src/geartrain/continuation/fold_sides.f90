@@ -20,7 +20,7 @@ contains
       integer :: first, last
 
       side = -1
-      if (.not. allocated(branch%stable) .or. .not. allocated(branch%special_points)) return
+      if (.not. allocated(branch%stable) .or. .not. allocated(branch%special_points) .or. branch%states == 0) return
       first = 1
       do last = 1, branch%points
          if (last < branch%points) then

@@ -2,12 +2,13 @@
 module geartrain_continuation_recorder
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
-   use geartrain_balance_mesh_load, only: force_reader_type
+   use geartrain_balance_mesh_load, only: force_reader_type, load_resolution
    use geartrain_balance_shaft_torque, only: find_shaft_torques
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: arrange_points, branch_type, widen
    use geartrain_continuation_corrector, only: solution_point_type
-   use geartrain_continuation_stability_assessment, only: assess, assessment_type
+   use geartrain_continuation_stability_assessment, only: assess, assess_growth, assessment_type
+   use geartrain_floquet_growth, only: has_long_period
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: power
    use geartrain_linalg_fftw, only: transform_type
@@ -34,7 +35,7 @@ module geartrain_continuation_recorder
 contains
 
    !> Prepares for the points of a balance.
-   subroutine setup(self, balance, stability, branch, shaft_torque)
+   subroutine setup(self, balance, stability, branch, shaft_torque, multipliers)
       class(recorder_type), intent(inout) :: self
       !> The balance; more harmonics may follow.
       type(balance_type), intent(in) :: balance
@@ -44,6 +45,9 @@ contains
       type(branch_type), intent(inout), target :: branch
       !> Torques of shafts are wanted; absent: they are not.
       logical, intent(in), optional :: shaft_torque
+      !> Multipliers are wanted however long the period is; absent: they are not.
+      logical, intent(in), optional :: multipliers
+      logical :: whole
       integer :: k
 
       self%stability = stability
@@ -66,9 +70,11 @@ contains
       allocate (branch%special_points(0), branch%arclength(0), branch%free_slope(0), branch%rms_slope(0, 0))
       if (stability) then
          call self%monodromy%setup(balance%system)
-         branch%states = self%monodromy%given
+         whole = self%monodromy%is_partial() .or. .not. has_long_period(balance)
+         if (present(multipliers)) whole = whole .or. multipliers
+         if (whole) branch%states = self%monodromy%given
          allocate (self%multipliers(branch%states), branch%stable(0))
-         if (balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
+         if (whole .and. balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
       end if
       if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
       call arrange_points(branch, [integer ::], 16)
@@ -101,7 +107,7 @@ contains
       end if
       call balance%full_coefficients(solution%u, coefficients)
       n = branch%points + 1
-      call self%transform%plan(fine_samples(balance%highest))
+      call self%transform%plan(fine_samples(resolution_of(balance, coefficients)))
       if (balance%varies) self%reader = fresh
       call self%reader%setup(balance%system, balance%eta, self%transform%samples)
       branch%frequency_ratio(n) = solution%frequency_ratio
@@ -145,14 +151,19 @@ contains
                                                      branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
                                                      branch%shaft_torque_maximum(:, n))
       if (self%stability) then
-         call self%monodromy%integrate(balance, balance%frequency_ratio)
-         call self%monodromy%multipliers(self%multipliers)
-         branch%multipliers(:, n) = self%multipliers
-         if (balance%repeats > 1) then
-            branch%repetition_multipliers(:, n) = self%multipliers
-            branch%multipliers(:, n) = power(self%multipliers, balance%repeats)
+         if (branch%states == 0) then
+            call assess_growth(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, assessment)
+         else
+            call self%monodromy%integrate(balance, balance%frequency_ratio)
+            call self%monodromy%multipliers(self%multipliers)
+            branch%multipliers(:, n) = self%multipliers
+            if (balance%repeats > 1) then
+               branch%repetition_multipliers(:, n) = self%multipliers
+               branch%multipliers(:, n) = power(self%multipliers, balance%repeats)
+            end if
+            call assess(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, self%multipliers, assessment)
          end if
-         call assess(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, self%multipliers, assessment)
+         branch%growth_rate(n) = assessment%growth_rate*balance%system%characteristic_frequency
          branch%stable(n) = assessment%stable
          branch%undecided(n) = assessment%undecided
          branch%second_estimate(n) = assessment%second
@@ -160,6 +171,22 @@ contains
       end if
       branch%points = n
    end subroutine add
+
+   !> The harmonic whose `fine_samples` show the extremes of all meshes.
+   pure integer function resolution_of(balance, coefficients)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: coefficients(:, :)
+      real(dp) :: force(balance%system%meshes)
+      integer :: j
+
+      resolution_of = balance%highest
+      if (.not. balance%chosen) return
+      ! A linear mesh has the force of its displacement.
+      force = norm2(coefficients(2:, :), 1)
+      force(balance%mesh) = norm2(balance%force(2:, :), 1)
+      resolution_of = maxval([(load_resolution(balance%system%law(j), balance%eta, balance%frequency_ratio, coefficients(:, j), &
+                                               balance%harmonic, force(j)), j=1, balance%system%meshes)])
+   end function resolution_of
 
    !> Shrinks the arrays to the number of points.
    subroutine finish(self, branch)

@@ -18,8 +18,9 @@ module geartrain_continuation_refinement
    private
    public :: cancel_refinement, refine_branch, refine_motions
 
-   !> An orbit that differs from the point by more than `another` times the estimated error of the point is another orbit.
-   real(dp), parameter :: another = 10
+   !> An orbit that differs from the point by more than `another` times the estimated error of the point is another orbit; one that
+   !> differs by more than `as_estimated` times may be that on the other side of a fold.
+   real(dp), parameter :: another = 10, as_estimated = 3
    !> Correction of a point that is still to be tried; -1: shooting found no orbit.
    real(dp), parameter :: untried = -2
    !> Relative difference that is always accepted: the estimate of a smaller difference may be rounding.
@@ -134,7 +135,8 @@ contains
       real(dp), intent(out) :: correction
       type(error_type), allocatable :: error
       type(train_type) :: train
-      real(dp) :: frequency_ratio
+      type(motion_type) :: orbit
+      real(dp) :: frequency_ratio, difference
       integer :: attempt
 
       if (allocated(branch%parameter)) then
@@ -146,18 +148,22 @@ contains
       end if
       correction = -1
       ! First by single shooting, which is quicker and is enough as a rule, then by multiple shooting, except where the estimate is
-      ! doubtful: there may be no orbit.
-      do attempt = 1, merge(1, 2, branch%estimate_doubtful(i))
-         motion%frequency_ratio = frequency_ratio
-         motion%period = branch%subharmonic
-         motion%coefficients = coefficients_of(branch, i)
-         if (allocated(motion%state)) deallocate (motion%state)
-         call refine(train, motion, error, attempt == 2, &
+      ! doubtful: there may be no orbit. Of a strongly unstable motion near a fold single shooting finds the orbit on the other
+      ! side of the fold too: of two orbits the nearer one is meant.
+      do attempt = 1, 2
+         if (attempt == 2 .and. correction < 0 .and. branch%estimate_doubtful(i)) exit
+         orbit = motion_type(frequency_ratio=frequency_ratio, period=branch%subharmonic)
+         orbit%coefficients = coefficients_of(branch, i)
+         call refine(train, orbit, error, attempt == 2, &
                      harmonics_told(coefficients_of(branch, i), branch%subharmonic), repeats, side)
          if (allocated(error)) cycle
-         correction = waveform_error(coefficients_of(branch, i), motion%coefficients)
-         if (correction <= max(another*branch%error_estimate(i), rounding)) return
-         correction = -1
+         difference = waveform_error(coefficients_of(branch, i), orbit%coefficients)
+         if (difference > max(another*branch%error_estimate(i), rounding)) cycle
+         if (correction < 0 .or. difference < correction) then
+            correction = difference
+            motion = orbit
+         end if
+         if (correction <= max(as_estimated*branch%error_estimate(i), rounding)) return
       end do
    end subroutine refine_point
 

@@ -67,20 +67,23 @@ contains
       if (allocated(error)) return
       if (present(seed)) then
          call begin_trace(train, settings, systems, tracer, motion=seed)
-         call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch, settings%shaft_torque)
+         call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch, settings%shaft_torque, &
+                                      settings%multipliers)
          tracer%analysis = 'branch'
          call trace_from_seed(tracer, seed, branch, observer)
       else
          call begin_trace(train, settings, systems, tracer)
          if (resumed) then
             ! `branch` has points already: the recorder is set up with an empty branch.
-            call tracer%recorder%setup(tracer%corrector%balance, settings%stability, empty, settings%shaft_torque)
+            call tracer%recorder%setup(tracer%corrector%balance, settings%stability, empty, settings%shaft_torque, &
+                                      settings%multipliers)
             tracer%segment = branch%segment(branch%points)
             tracer%resumes = branch%trace%steps > 0
             tracer%kept = [branch%points, size(branch%special_points)]
             call tracer%restore_state(branch%trace)
          else
-            call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch, settings%shaft_torque)
+            call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch, settings%shaft_torque, &
+                                      settings%multipliers)
             allocate (branch%trace)
          end if
          call trace_from_both_ends(train, tracer, tracer%settings%start, tracer%settings%stop, branch, observer)

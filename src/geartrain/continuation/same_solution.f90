@@ -1,5 +1,7 @@
-!> Whether two bifurcation points are equal, up to a shift by some periods of the fundamental.
+!> Whether two bifurcation points are equal, up to a shift by some periods of the fundamental, and the order of equal branches in
+!> which points and motions are compared.
 module geartrain_continuation_same_solution
+   use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_base_sorting, only: ascending
@@ -7,7 +9,7 @@ module geartrain_continuation_same_solution
    use geartrain_model_units, only: units_type
    implicit none (type, external)
    private
-   public :: put_in_order, same_solution
+   public :: put_figures_in_order, put_in_order, same_solution
 
    !> Solution points closer than this in the metric of the branch are equal [units_type]. Two searches that end at one point agree
    !> to some 1e-6 only, so the tolerance of geartrain_balance_same_motion would be too small.
@@ -57,6 +59,39 @@ contains
       end function key_of
 
    end subroutine put_in_order
+
+   !> Renumbers equal branches by their figures: motions that are equal but for the numbers of equal branches get equal figures.
+   subroutine put_figures_in_order(sets, mesh, motion)
+      !> Equal branches of the train, those of a branch after the set of this branch.
+      type(equal_branches_type), intent(in) :: sets(:)
+      !> Mesh that each unknown is, (unknown).
+      integer, intent(in) :: mesh(:)
+      !> Motion whose rms, mean, minimum and maximum become those of the unknown meshes, in the new order.
+      type(motion_type), intent(inout) :: motion
+      integer, allocatable :: place(:), branches(:, :)
+      integer :: i, j, l
+      real(dp), allocatable :: key(:)
+
+      if (size(sets) == 0) return
+      place = mesh
+      do i = size(sets), 1, -1
+         branches = reshape(place(reshape(sets(i)%unknown, [size(sets(i)%unknown)])), shape(sets(i)%unknown))
+         allocate (key(size(branches, 2)), source=0.0_dp)
+         do j = 1, size(key)
+            do l = 1, size(branches, 1)
+               associate (m => branches(l, j))
+                  key(j) = key(j) + (motion%rms(m) + motion%mean(m) + motion%maximum(m))/l
+               end associate
+            end do
+         end do
+         place(reshape(sets(i)%unknown, [size(branches)])) = reshape(branches(:, ascending(key)), [size(branches)])
+         deallocate (key)
+      end do
+      motion%rms = motion%rms(place)
+      motion%mean = motion%mean(place)
+      motion%minimum = motion%minimum(place)
+      motion%maximum = motion%maximum(place)
+   end subroutine put_figures_in_order
 
    !> Whether `one`, shifted by some number of periods of the fundamental, is `other`. Their harmonics may differ.
    pure logical function same_solution(one, other, period, units, by_direction)

@@ -24,8 +24,8 @@ module geartrain_continuation_settings
       integer :: repeats = 0
       !> Whether the torque of every shaft is computed at each point.
       logical :: shaft_torque = .true.
-      !> Whether Floquet multipliers are computed at each point.
-      logical :: stability = .true.
+      !> Whether stability is computed at each point; whether by multipliers even where the period is long.
+      logical :: stability = .true., multipliers = .false.
       !> Largest rms over characteristic length; negative: 12 with backlash, none for a linear train.
       real(dp) :: amplitude_limit = -1
       !> 'exact' or 'sampled' (the paper's DFT, with `samples` points a period; 0: chosen).

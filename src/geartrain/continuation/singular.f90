@@ -31,7 +31,7 @@ module geartrain_continuation_singular
       type(corrector_type) :: single, double
       !> The matrix is singular at period doublings, else at branch points.
       logical :: doubles = .false.
-      !> Number of the group of equal branches that begin to move differently; 0: those that move equally go on to do so.
+      !> Number of the part of the fixed space whose symmetry ends there (fixed_space_type); 0: equal branches go on as they move.
       integer :: group = 0
       !> Vectors b and c: coefficients [1], (block, unknown, mode), and Lambda part [1], (mode).
       real(dp), allocatable, private :: b(:, :, :), b_frequency(:), c(:, :, :), c_frequency(:)
@@ -58,7 +58,7 @@ contains
       type(system_type), pointer, intent(in) :: systems(:)
       !> Searches for period doublings, else for branch points.
       logical, intent(in) :: doubles
-      !> Number of the group of equal branches that begin to move differently; 0 unless it is given.
+      !> Number of the part of the fixed space whose symmetry ends there; 0 unless it is given.
       integer, intent(in), optional :: group
 
       self%doubles = doubles
@@ -184,7 +184,8 @@ contains
       if (self%group > 0) then
          call self%single%fixed%keep_difference(self%group, x)
       else
-         call self%single%fixed%project(x)
+         if (self%doubles) call self%single%fixed%project_at_once(x)
+         if (.not. self%doubles) call self%single%fixed%project(x)
       end if
    end subroutine restrict
 

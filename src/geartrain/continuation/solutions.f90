@@ -9,6 +9,7 @@ module geartrain_continuation_solutions
    use geartrain_continuation_branch, only: branch_type, carried_by, coefficients_of, has_sets, &
       response_settings_type
    use geartrain_continuation_corrector, only: inner, solution_point_type
+   use geartrain_continuation_same_solution, only: put_figures_in_order
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_step_geometry, only: arc_length, go_along
    use geartrain_continuation_tracer, only: tracer_type
@@ -51,7 +52,8 @@ contains
          if (.not. allocated(branch%parameter)) call fatal(error, 'at: frequency = '//text(frequency_ratio)//': must be > 0')
          return
       end if
-      call tracer%recorder%setup(tracer%corrector%balance, settings%stability, found, settings%shaft_torque)
+      call tracer%recorder%setup(tracer%corrector%balance, settings%stability, found, settings%shaft_torque, &
+                                      settings%multipliers)
       call record_crossings(tracer, branch, frequency_ratio, found)
       call gather(found, settings, motions)
    end subroutine solutions_at
@@ -230,8 +232,8 @@ contains
       end do
    end subroutine gather
 
-   !> Whether a motion, shifted by any number of periods of the fundamental, lies on a branch. The motion is solved by a balance of
-   !> as many harmonics as the branch has, so that equal motions agree exactly.
+   !> Whether a motion, shifted by any number of periods of the fundamental and up to the numbers of equal branches, lies on a
+   !> branch. The motion is solved by a balance of as many harmonics as the branch has, so that equal motions agree exactly.
    logical function lies_on(train, settings, branch, motion)
       !> Train of the branch.
       type(train_type), intent(in) :: train
@@ -268,6 +270,12 @@ contains
       call tracer%record(solution, solved)
       call solutions_at(train, same_balance, branch, motion%frequency_ratio, motions, error)
       call gather(solved, same_balance, here)
+      associate (corrector => tracer%corrector)
+         call put_figures_in_order(corrector%sets, corrector%balance%mesh, here(1))
+         do i = 1, size(motions)
+            call put_figures_in_order(corrector%sets, corrector%balance%mesh, motions(i))
+         end do
+      end associate
       uncertainty = 0
       if (has_sets(branch)) uncertainty = 3*maxval([here%error_estimate, motions%error_estimate])
       lies_on = any([(is_same_motion(here(1), motions(i), uncertainty), i=1, size(motions))])

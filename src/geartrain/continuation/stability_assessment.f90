@@ -7,12 +7,13 @@ module geartrain_continuation_stability_assessment
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_floquet_growth, only: find_growth, growth_type, shifted_rate
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: is_neutral, is_stable, neutral
    use geartrain_linalg_trigonometric, only: evaluate
    implicit none (type, external)
    private
-   public :: assess, assessment_type
+   public :: assess, assess_growth, assessment_type
 
    !> Bounds of the change of a multiplier per shift of the events (root of the sum of squares) [dimensionless time] and per largest
    !> multiplier: over the 17172 points no change that matters is larger than `sensitivity`, as a rule none is larger than `usual`.
@@ -35,6 +36,8 @@ module geartrain_continuation_stability_assessment
       logical :: count_undecided = .false.
       !> Second estimate of the largest magnitude of a multiplier [1]; negative: not needed.
       real(dp) :: second = -1
+      !> Real part of the largest Floquet exponent [1/dimensionless time].
+      real(dp) :: growth_rate = 0
    end type assessment_type
 
 contains
@@ -57,18 +60,17 @@ contains
       real(dp) :: first(size(multipliers)), second(size(multipliers)), moved
       real(dp), allocatable :: shift(:, :)
       logical :: unsure(size(multipliers))
-      integer :: i
 
       assessment%stable = is_stable(multipliers)
+      associate (time => 2*pi*balance%eta/frequency_ratio/balance%repeats)
+         assessment%growth_rate = log(max(abs(multipliers(1)), tiny(time)))/time
+      end associate
       ! Multipliers that were not found are neutral too.
       assessment%undecided = is_neutral(multipliers) .or. estimate%doubtful .or. estimate%relative > largest_error .or. &
                           .not. monodromy%confirmed
       assessment%count_undecided = assessment%undecided
       if (assessment%undecided .or. .not. any(balance%contact%events > 0)) return
-      allocate (shift(maxval(balance%contact%events), balance%unknowns), source=0.0_dp)
-      do i = 1, balance%unknowns
-         call find_shift(balance, i, u(:, i), estimate, shift(:, i))
-      end do
+      shift = shifts(balance, u, estimate, 2*pi)
       first = abs(multipliers)
       moved = norm2(shift)/frequency_ratio*first(1)
       ! Multipliers that stay on the circle, as of a mode without damping, are never outside.
@@ -84,12 +86,58 @@ contains
       assessment%count_undecided = any(unsure)
    end subroutine assess
 
-   !> Shift of the contact events of unknown mesh i by the error of the waveform [rad], (event): to the nearer root of the parabola
-   !> of the corrected motion, or to its extreme where the corrected motion misses the wall.
-   subroutine find_shift(balance, i, u, estimate, shift)
+   !> Assesses the stability of a motion of long period, by its growth rate over a part of it.
+   subroutine assess_growth(monodromy, balance, u, frequency_ratio, estimate, assessment)
+      !> Work space, set up for the train.
+      type(monodromy_type), intent(inout) :: monodromy
+      !> Balance last evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> Coefficients of the unknown meshes [1], (block, unknown), and Lambda [1].
+      real(dp), intent(in) :: u(:, :), frequency_ratio
+      !> Error estimate of the motion.
+      type(error_estimate_type), intent(in) :: estimate
+      !> The assessment; without a second estimate.
+      type(assessment_type), intent(out) :: assessment
+      type(growth_type) :: growth
+      real(dp), allocatable :: shift(:, :)
+      real(dp) :: theta, moved, other
+
+      call find_growth(monodromy, balance, frequency_ratio, growth)
+      assessment%growth_rate = growth%rate
+      assessment%stable = growth%rate < -growth%error
+      assessment%undecided = .not. growth%sure .or. estimate%doubtful .or. estimate%relative > largest_error
+      if (.not. assessment%undecided .and. any(balance%contact%events > 0)) then
+         theta = growth%time*frequency_ratio/balance%eta
+         shift = shifts(balance, u, estimate, theta)
+         moved = norm2(shift)/frequency_ratio
+         if (abs(growth%rate)*growth%time < sensitivity*moved) then
+            other = shifted_rate(monodromy, balance, frequency_ratio, growth, shift)
+            assessment%undecided = .not. abs(growth%rate) > surely*(abs(other - growth%rate) + growth%error)
+         end if
+      end if
+      assessment%count_undecided = assessment%undecided
+   end subroutine assess_growth
+
+   !> Shifts of the contact events up to an instant by the error of the waveform [rad], (event, unknown mesh).
+   function shifts(balance, u, estimate, last)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :), last
+      type(error_estimate_type), intent(in) :: estimate
+      real(dp), allocatable :: shifts(:, :)
+      integer :: i
+
+      allocate (shifts(maxval(balance%contact%events), balance%unknowns), source=0.0_dp)
+      do i = 1, balance%unknowns
+         call find_shift(balance, i, u(:, i), estimate, last, shifts(:, i))
+      end do
+   end function shifts
+
+   !> Shift of the contact events of unknown mesh i up to an instant by the error of the waveform [rad], (event): to the nearer root
+   !> of the parabola of the corrected motion, or to its extreme where the corrected motion misses the wall.
+   subroutine find_shift(balance, i, u, estimate, last, shift)
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: i
-      real(dp), intent(in) :: u(:)
+      real(dp), intent(in) :: u(:), last
       type(error_estimate_type), intent(in) :: estimate
       real(dp), intent(out) :: shift(:)
       real(dp) :: p, slope, curvature, inside, error, least
@@ -99,6 +147,7 @@ contains
       least = 0
       associate (contact => balance%contact(i))
          do k = 1, contact%events
+            if (contact%instant(k) > last) exit
             call evaluate(u, balance%harmonic, contact%instant(k), p, slope, curvature)
             error = estimate%waveform_error(balance, i, contact%instant(k))
             inside = slope**2 - 2*curvature*error

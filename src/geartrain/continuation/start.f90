@@ -1,7 +1,7 @@
 !> Where a branch begins: a tracer for a train, and solution points to start it from.
 module geartrain_continuation_start
    use geartrain_balance_chosen_harmonics, only: first_harmonics
-   use geartrain_balance_error_estimate, only: resonance_ratio
+   use geartrain_balance_tail_harmonics, only: resonance_ratio
    use geartrain_balance_harmonic_set, only: first_set, has_sparse_motions
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_repetition, only: repetitions_of

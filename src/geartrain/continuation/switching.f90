@@ -103,7 +103,8 @@ contains
          tracer%analysis = 'branch'
          if (settings%harmonics == 0) &
             call tracer%prepare(harmonics_at(branch, special)*(tracer%settings%subharmonic/settings%subharmonic))
-         call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched, settings%shaft_torque)
+         call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched, settings%shaft_torque, &
+                                      settings%multipliers)
          if (.not. found) then
             switched%ended = 'the balance has no '//trim(kind)//' of its own near Lambda = '//text(at) &
                              //' (more harmonics place it more exactly)'

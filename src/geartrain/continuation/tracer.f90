@@ -7,6 +7,7 @@ module geartrain_continuation_tracer
    use geartrain_continuation_branch, only: branch_type, multipliers_at, trace_state_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_crossings, only: add_branch_point, crossing_type, find_crossings
+   use geartrain_continuation_growth_changes, only: add_growth_change
    use geartrain_continuation_hidden_changes, only: add_hidden_changes
    use geartrain_continuation_special_points, only: add_special_point, locate_fold
    use geartrain_continuation_stability_changes, only: add_stability_changes, largest_multiplier
@@ -354,7 +355,7 @@ contains
       complex(dp) :: first(branch%states), last(branch%states)
 
       jumped = .false.
-      if (.not. self%recorder%stability .or. self%vanishes()) return
+      if (.not. self%recorder%stability .or. self%vanishes() .or. branch%states == 0) return
       if (sense_of(here, self%corrector%units)*sense_of(next, self%corrector%units) == 0) return
       associate (n => branch%points)
          if (branch%count_undecided(before) .or. branch%count_undecided(n)) return
@@ -378,6 +379,10 @@ contains
       ! A train at rest at a wall of its gaps has no multipliers.
       if (.not. self%recorder%stability .or. self%vanishes()) return
       associate (corrector => self%corrector, monodromy => self%recorder%monodromy, n => branch%points)
+         if (branch%states == 0) then
+            call add_growth_change(corrector, monodromy, here, next, before, n, branch)
+            return
+         end if
          ! Of the steps that now have a point after them.
          call add_hidden_changes(corrector, monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
          if (fold_at > 0) then

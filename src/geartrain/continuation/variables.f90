@@ -48,7 +48,10 @@ contains
       call v%on_integer(row('subharmonic', '', 'period of the motion in periods of the fundamental, eta', least=one, &
          &most=1000*one), &
                         settings%subharmonic)
-      call v%on_logical(row('stability', '', 'Floquet multipliers of every point'), settings%stability)
+      call v%on_logical(row('stability', '', 'whether every point is stable, by its Floquet multipliers or, where a period has &
+                            &more than 500 cycles of a mesh, its growth rate'), settings%stability)
+      call v%on_logical(row('multipliers', '', 'Floquet multipliers of every point, however long the period is'), &
+                        settings%multipliers)
       call v%on_logical(row('shaft_torque', '', 'mean and extremes of the torque of every shaft at every point'), &
                         settings%shaft_torque)
       call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &

@@ -4,6 +4,7 @@
 module geartrain_floquet_monodromy
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_sorting, only: ascending
    use geartrain_floquet_leading_multipliers, only: leading, leading_multipliers_type
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: eigenvalues
@@ -60,7 +61,9 @@ module geartrain_floquet_monodromy
    contains
       procedure :: setup
       procedure :: integrate
+      procedure :: integrate_from
       procedure :: multipliers
+      procedure :: is_partial
       procedure, private :: prepare_matrix
       procedure, private :: take_train
       procedure, private :: carry
@@ -83,7 +86,7 @@ contains
       integer :: i
 
       self%states = 2*system%coordinates
-      allocate (self%now(system%meshes), self%instant(64), self%mesh(64), self%contact(64))
+      allocate (self%now(system%meshes))
       whole = self%states < many_states
       if (present(all_of_them)) whole = whole .or. all_of_them
       self%given = system%states
@@ -112,7 +115,7 @@ contains
       type(time_reversal_type) :: reversal
       type(leading_multipliers_type) :: search
 
-      if (self%given < size(self%kept)) then
+      if (self%is_partial()) then
          self%search = search
          call self%search%setup(system)
       end if
@@ -134,18 +137,19 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> What each contact event is moved by [rad], (event, unknown mesh).
       real(dp), intent(in), optional :: shift(:, :)
-      real(dp) :: period
-      integer :: events, attempt
+      real(dp) :: period, begin
+      integer :: events, attempt, i
       logical :: success
 
       if (motion%varies) call self%take_train(motion%system)
       period = 2*pi*motion%eta/frequency_ratio
       ! Handed on as it is, an absent array would have its bounds read by gfortran 12.
       if (present(shift)) then
-         call self%collect_events(motion, period, events, shift)
+         call self%collect_events(motion, period, 0.0_dp, huge(period), shift)
       else
-         call self%collect_events(motion, period, events)
+         call self%collect_events(motion, period, 0.0_dp, huge(period))
       end if
+      events = size(self%instant)
       self%confirmed = .true.
       period = period/motion%repeats
       if (mod(events, motion%repeats) == 0) then
@@ -156,7 +160,7 @@ contains
       end if
       self%now = 1
       if (allocated(self%found)) deallocate (self%found)
-      if (self%given < size(self%kept)) then
+      if (self%is_partial()) then
          allocate (self%found(self%given))
          call self%search%find(motion, frequency_ratio, period, self%instant(:events), self%mesh(:events), self%contact(:events), &
                                self%found, success)
@@ -168,46 +172,81 @@ contains
       if (.not. allocated(self%transposed)) call self%prepare_matrix(motion%system)
       do attempt = 0, most_attempts - 1
          call self%propagator%start(frequency_ratio, 2.0_dp**attempt)
-         call self%carry(motion, frequency_ratio, period, events)
+         do i = 1, motion%unknowns
+            self%now(motion%mesh(i)) = motion%contact(i)%first_contact
+         end do
+         ! The multipliers do not depend on where the period begins: at an event or, without any, where a half gives the whole.
+         if (events > 0) then
+            begin = self%instant(1)
+         else
+            begin = max(-period, self%reversal%centre_near(self%now, frequency_ratio, 0.0_dp)) - period/2
+         end if
+         call self%carry(motion, frequency_ratio, begin, period, events)
          self%interrupted = motion%system%interrupt%raised()
          self%confirmed = self%liouville_defect < largest_defect
          if (self%confirmed .or. self%interrupted) exit
       end do
    end subroutine integrate
 
-   !> The product of the pieces from event to event over a period that begins at an event or, without any, where a half gives the
-   !> whole: the multipliers do not depend on that.
-   subroutine carry(self, motion, frequency_ratio, period, events)
+   !> Matrix of the perturbations over a part of the period.
+   subroutine integrate_from(self, motion, frequency_ratio, begin, length, shift)
+      class(monodromy_type), intent(inout) :: self
+      !> Contacts of the motion over its period.
+      class(motion_contacts_type), intent(in) :: motion
+      !> Lambda [1]; time at which the part begins, from 0 to the period, and its length [1].
+      real(dp), intent(in) :: frequency_ratio, begin, length
+      !> What each contact event is moved by [rad], (event, unknown mesh).
+      real(dp), intent(in), optional :: shift(:, :)
+      real(dp) :: period
+      integer :: attempt, i
+
+      if (motion%varies) call self%take_train(motion%system)
+      if (.not. allocated(self%transposed)) call self%prepare_matrix(motion%system)
+      if (allocated(self%found)) deallocate (self%found)
+      period = 2*pi*motion%eta/frequency_ratio
+      self%now = 1
+      if (present(shift)) then
+         call self%collect_events(motion, period, begin, begin + length, shift)
+      else
+         call self%collect_events(motion, period, begin, begin + length)
+      end if
+      do attempt = 0, most_attempts - 1
+         call self%propagator%start(frequency_ratio, 2.0_dp**attempt)
+         do i = 1, motion%unknowns
+            self%now(motion%mesh(i)) = motion%contact(i)%contact_at(begin/period*2*pi)
+         end do
+         call self%carry(motion, frequency_ratio, begin, length, size(self%instant))
+         self%interrupted = motion%system%interrupt%raised()
+         self%confirmed = self%liouville_defect < largest_defect
+         if (self%confirmed .or. self%interrupted) exit
+      end do
+   end subroutine integrate_from
+
+   !> The product of the pieces from event to event.
+   subroutine carry(self, motion, frequency_ratio, begin, length, events)
       class(monodromy_type), intent(inout) :: self
       class(motion_contacts_type), intent(in) :: motion
-      real(dp), intent(in) :: frequency_ratio, period
+      real(dp), intent(in) :: frequency_ratio, begin, length
       integer, intent(in) :: events
-      real(dp) :: begin, next
+      real(dp) :: now, next
       integer :: i
 
       self%decay = motion%system%decay
-      self%piece_limit = period/ceiling(max(1.0_dp, self%propagator%fastest_decay*period/largest_decay))
-      do i = 1, motion%unknowns
-         self%now(motion%mesh(i)) = motion%contact(i)%first_contact
-      end do
+      self%piece_limit = length/ceiling(max(1.0_dp, self%propagator%fastest_decay*length/largest_decay))
       self%empty = .true.
       self%liouville_defect = 0
       self%spared = 0
       self%sheared = .false.
-      if (events > 0) then
-         begin = self%instant(1)
-      else
-         begin = max(-period, self%reversal%centre_near(self%now, frequency_ratio, 0.0_dp)) - period/2
-      end if
       self%piece_start = begin
-      if (events == 0) call self%carry_along(frequency_ratio, begin, begin + period)
-      do i = 1, events
-         call self%change(i, self%propagator)
-         next = begin + period
-         if (i < events) next = self%instant(i + 1)
-         call self%carry_along(frequency_ratio, self%instant(i), next)
+      now = begin
+      do i = 1, events + 1
+         next = begin + length
+         if (i <= events) next = self%instant(i)
+         if (next > now) call self%carry_along(frequency_ratio, now, next)
+         if (i <= events) call self%change(i, self%propagator)
+         now = next
       end do
-      call self%close_piece(begin + period)
+      call self%close_piece(begin + length)
    end subroutine carry
 
    !> Passes event i with a propagator.
@@ -277,41 +316,34 @@ contains
       self%spared = self%spared + rate*(to - time)
    end subroutine advance
 
-   !> Events of all meshes in order of time.
-   subroutine collect_events(self, motion, period, events, shift)
+   !> Events of all meshes from one time to another, in order of time.
+   subroutine collect_events(self, motion, period, from, to, shift)
       class(monodromy_type), intent(inout) :: self
       class(motion_contacts_type), intent(in) :: motion
-      real(dp), intent(in) :: period
-      integer, intent(out) :: events
+      real(dp), intent(in) :: period, from, to
       real(dp), intent(in), optional :: shift(:, :)
-      integer :: i, k, place
-      real(dp) :: t
+      integer, allocatable :: order(:)
+      real(dp), allocatable :: instant(:)
+      integer :: i, k
 
-      events = 0
+      self%instant = [real(dp) ::]
+      self%mesh = [integer ::]
+      self%contact = [integer ::]
       do i = 1, motion%unknowns
-         do k = 1, motion%contact(i)%events
-            if (events == size(self%instant)) then
-               self%instant = [self%instant, self%instant]
-               self%mesh = [self%mesh, self%mesh]
-               self%contact = [self%contact, self%contact]
-            end if
-            t = motion%contact(i)%instant(k)
-            if (present(shift)) t = t + shift(k, i)
-            t = t/(2*pi)*period
-            events = events + 1
-            place = events
-            do while (place > 1)
-               if (self%instant(place - 1) <= t) exit
-               self%instant(place) = self%instant(place - 1)
-               self%mesh(place) = self%mesh(place - 1)
-               self%contact(place) = self%contact(place - 1)
-               place = place - 1
-            end do
-            self%instant(place) = t
-            self%mesh(place) = motion%mesh(i)
-            self%contact(place) = motion%contact(i)%contact(k)
-         end do
+         associate (contact => motion%contact(i), n => motion%contact(i)%events)
+            instant = contact%instant(:n)
+            if (present(shift)) instant = instant + shift(:n, i)
+            instant = instant/(2*pi)*period
+            order = pack([(k, k=1, n)], instant >= from .and. instant < to)
+            self%instant = [self%instant, instant(order)]
+            self%mesh = [self%mesh, spread(motion%mesh(i), 1, size(order))]
+            self%contact = [self%contact, contact%contact(order)]
+         end associate
       end do
+      order = ascending(self%instant)
+      self%instant = self%instant(order)
+      self%mesh = self%mesh(order)
+      self%contact = self%contact(order)
    end subroutine collect_events
 
    !> Multiplies the piece that ends at `time` onto the product, checks its determinant and begins the next.
@@ -343,6 +375,13 @@ contains
       call self%propagator%restart()
       self%piece_start = time
    end subroutine close_piece
+
+   !> Whether of so many states only the leading multipliers are found, without a matrix.
+   pure logical function is_partial(self)
+      class(monodromy_type), intent(in) :: self
+
+      is_partial = self%given < size(self%kept)
+   end function is_partial
 
    !> The multipliers, largest magnitude first; NaN where the latest `integrate` was interrupted.
    subroutine multipliers(self, values)

@@ -2,7 +2,7 @@
 module geartrain_flow_fields
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use geartrain_balance_mesh_load, only: mesh_load_type
-   use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_motion, only: motion_type, uncertainty_type
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
@@ -10,8 +10,9 @@ module geartrain_flow_fields
    implicit none (type, external)
    private
    public :: carry_loads, coefficient_axis, visit_motions
-   public :: about_coefficients, about_frequency, about_maximum, about_mean, about_mesh, about_minimum, about_multipliers, &
-      about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_stability
+   public :: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, about_minimum, &
+      about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_multipliers, &
+      on_stability
 
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
@@ -26,10 +27,15 @@ module geartrain_flow_fields
    character(*), parameter :: about_coefficients = 'Fourier coefficients of mesh displacement / characteristic_length: &
       &mean, cos 1, sin 1, cos 2, ... of the fundamental frequency Lambda/period'
    character(*), parameter :: about_multipliers = 'Floquet multipliers over one period of the motion'
-   character(*), parameter :: about_stable = '1 = stable: every Floquet multiplier lies inside the unit circle; 0 = not'
+   character(*), parameter :: about_stable = '1 = stable: all Floquet multipliers lie inside the unit circle, every &
+      &perturbation dies out; 0 = not'
    character(*), parameter :: about_undecided = '1 = undecided, `stable` is a guess: the largest multiplier is as near to the unit &
       &circle as it is uncertain, the error of the motion is itself doubtful, or nothing confirms the multipliers; 0 = not'
+   character(*), parameter :: about_growth_rate = 'growth rate of the slowest perturbation, the largest real part of a Floquet &
+      &exponent: negative where the motion is stable'
    character(*), parameter :: on_stability = 'with `stability`'
+   character(*), parameter :: on_multipliers = 'with `stability`, where a period has at most 500 cycles of any mesh, or with &
+      &`multipliers`'
 
    type(row), parameter :: loads(4) = [ &
       row('mesh_force_maximum', 'mesh', 'N', &
@@ -47,6 +53,18 @@ module geartrain_flow_fields
       row('shaft_torque_mean', 'shaft', 'N m', 'mean'//of_torque, 'with `shaft_torque`', optional=.true.), &
       row('shaft_torque_minimum', 'shaft', 'N m', 'smallest'//of_torque, 'with `shaft_torque`', optional=.true.), &
       row('shaft_torque_maximum', 'shaft', 'N m', 'largest'//of_torque, 'with `shaft_torque`', optional=.true.)]
+
+   character(*), parameter :: longer = 'what a window ten times as long changes of ', in_window = 'of a window'
+   type(row), parameter :: of_displacement(5) = [ &
+      row('rms_uncertainty', 'mesh', '1', longer//'rms, in 95 of 100 cases at most', in_window, optional=.true.), &
+      row('mean_uncertainty', 'mesh', '1', longer//'mean, likewise', in_window, optional=.true.), &
+      row('minimum_uncertainty', 'mesh', '1', longer//'minimum, likewise', in_window, optional=.true.), &
+      row('maximum_uncertainty', 'mesh', '1', longer//'maximum, likewise', in_window, optional=.true.), &
+      row('force_uncertainty', 'mesh', 'N', longer//'mesh_force_maximum, likewise', in_window, optional=.true.)]
+   type(row), parameter :: of_torques(3) = [ &
+      row('torque_mean_uncertainty', 'shaft', 'N m', longer//'shaft_torque_mean, likewise', in_window, optional=.true.), &
+      row('torque_min_uncertainty', 'shaft', 'N m', longer//'shaft_torque_minimum, likewise', in_window, optional=.true.), &
+      row('torque_max_uncertainty', 'shaft', 'N m', longer//'shaft_torque_maximum, likewise', in_window, optional=.true.)]
 
    !> Carries the fields of the torques of shafts.
    interface carry_torques
@@ -124,9 +142,16 @@ contains
 
       call carry(fields, row('frequency', '', '1', about_frequency), motion%frequency_ratio)
       call carry(fields, row('period', '', '1', 'period of the motion in periods of the fundamental, 1 to 16; 0 = none found, the &
-                             &figures are then of the last 16 periods of the fundamental', least=0), motion%period)
-      call carry(fields, row('kind', '', '', 'periodic; where no period was found chaotic, quasi-periodic, still settling (or of &
-                             &a longer period than 16), undecided, or unbounded (given up, without figures)'), motion%kind)
+                             &figures are then of the last 16 periods of the fundamental, or of `window`', least=0), &
+                 motion%period)
+      if (fields%has('window', motion%window > 0)) then
+         call carry(fields, row('window', '', '1', 'window over which the figures are taken, from time 0 on, in periods of the &
+                                &fundamental; 0: they are those of periods', in_window), motion%window)
+         if (ieee_is_nan(motion%window)) motion%window = 0
+      end if
+      call carry(fields, row('kind', '', '', 'periodic; stationary: settled, with the figures of a window; where no period was &
+                             &found chaotic, quasi-periodic, still settling (or of a longer period than 16), undecided, or &
+                             &unbounded (given up, without figures)'), motion%kind)
       call carry(fields, row('rms', 'mesh', '1', about_rms, optional=.true.), motion%rms)
       if (allocated(motion%rms)) ac = motion%rms/sqrt(2.0_dp)
       if (fields%derives()) call carry(fields, row('true_ac_rms', 'mesh', '1', about_true_ac_rms), ac)
@@ -136,8 +161,14 @@ contains
       call carry_loads(fields, motion%mesh_load)
       if (torques_there) call carry_torques(fields, motion%shaft_torque_mean, motion%shaft_torque_minimum, &
                                                              motion%shaft_torque_maximum)
+      if (fields%has('rms_uncertainty', allocated(motion%uncertainty%rms))) &
+         call carry_uncertainty(fields, motion%uncertainty, torques_there)
+      if (fields%has('ringing', motion%ringing >= 0)) &
+         call carry(fields, row('ringing', '', '1', 'amplitude of free vibrations that take too long to die out, when last &
+                                &read, over the alternating displacement, the largest of all meshes; NaN: not known', in_window, &
+                                none_is_negative=.true.), motion%ringing)
       call carry(fields, row('coefficients', 'mesh coefficient', '1', about_coefficients//'; where no period was found, of &
-                             &Lambda/16', optional=.true.), motion%coefficients)
+                             &Lambda/16 or Lambda/window', optional=.true.), motion%coefficients)
       if (fields%has('error_estimate', motion%error_estimate >= 0)) &
          call carry(fields, row('error_estimate', '', '1', 'estimated relative error of the waveform', &
                                 'where there is an estimate', none_is_negative=.true.), motion%error_estimate)
@@ -172,6 +203,24 @@ contains
          call carry(fields, row('share', '', '1', 'share of the starts that settled on the motion', 'of attractors', &
                                 none_is_negative=.true.), motion%share)
    end subroutine visit_motion
+
+   !> What a longer window would change of the figures of a motion.
+   subroutine carry_uncertainty(fields, uncertainty, torques_there)
+      class(fields_type), intent(inout) :: fields
+      type(uncertainty_type), intent(inout) :: uncertainty
+      !> Whether a motion of the list has torques of shafts.
+      logical, intent(in) :: torques_there
+
+      call carry(fields, of_displacement(1), uncertainty%rms)
+      call carry(fields, of_displacement(2), uncertainty%mean)
+      call carry(fields, of_displacement(3), uncertainty%minimum)
+      call carry(fields, of_displacement(4), uncertainty%maximum)
+      call carry(fields, of_displacement(5), uncertainty%force_maximum)
+      if (.not. torques_there) return
+      call carry(fields, of_torques(1), uncertainty%torque_mean)
+      call carry(fields, of_torques(2), uncertainty%torque_minimum)
+      call carry(fields, of_torques(3), uncertainty%torque_maximum)
+   end subroutine carry_uncertainty
 
    !> Adds the axis of coefficients with the labels mean, cos 1, sin 1, cos 2, ...
    subroutine coefficient_axis(orders, period, fields)

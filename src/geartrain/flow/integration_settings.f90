@@ -18,6 +18,8 @@ module geartrain_flow_integration_settings
       integer :: harmonics = 0
       !> Mesh periods after which an unsettled motion is abandoned.
       integer :: max_periods = 2000
+      !> Window over which the figures are taken [cycles of the slowest mesh]; 0: see geartrain_flow_window.
+      integer :: window = 0
       !> Relative change over a period at which a motion counts as settled [1].
       real(dp) :: tolerance = 1e-9_dp
       !> Compute the Floquet multipliers of each settled motion.

@@ -1,11 +1,15 @@
-!> A periodic orbit of the flow, given by its state: monodromy matrix, waveform, and the figures of the motion.
+!> A periodic orbit of the flow, given by its state: monodromy matrix, waveform, and the figures of the motion, or of a window of a
+!> motion whose period is too long.
 module geartrain_flow_orbit
    use geartrain_balance_mesh_load, only: put_force
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_observer, only: observer_type
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_shaft_torque, only: add_torques, linear_forces
+   use geartrain_flow_uncertainty, only: figure_uncertainty_type, uncertainty_of
+   use geartrain_flow_window, only: cycle_time
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: transform_length
    use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
@@ -74,15 +78,16 @@ contains
       end do
    end subroutine begin_tangents
 
-   !> Samples a period of an orbit at equidistant instants, the first at phase 0.
-   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque, rate)
+   !> Samples a period of an orbit, or a window of a flow, at equidistant instants, the first at phase 0.
+   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque, rate, window, &
+                           observer, stopped)
       !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
       !> Period of the orbit [periods of the fundamental].
       integer, intent(in) :: period
-      !> Mesh displacements over characteristic length [1], (samples, mesh); 0 where an interrupt ended the flow.
+      !> Mesh displacements over characteristic length [1], (samples, mesh); 0, as all samples, where the flow was ended early.
       real(dp), intent(out) :: displacement(:, :)
       !> Mesh forces over k b_c [1], damping included, (samples, mesh).
       real(dp), intent(out), optional :: force(:, :)
@@ -94,15 +99,32 @@ contains
       real(dp), intent(out), optional :: torque(:, :)
       !> Mesh velocities, displacement derived by time [1], (samples, mesh).
       real(dp), intent(out), optional :: rate(:, :)
+      !> Window in place of the period [periods of the fundamental]; absent or 0: the period.
+      real(dp), intent(in), optional :: window
+      !> Told of 'settling by time' after each cycle of the slowest mesh of a window; may end the flow.
+      class(observer_type), intent(inout), optional :: observer
+      !> Whether the observer ended the flow.
+      logical, intent(out), optional :: stopped
       type(flow_type) :: flow
       real(dp), allocatable :: phi(:, :)
-      real(dp) :: spacing, mesh_period, begun, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
-      integer :: i, j, q, contact(system%meshes)
+      real(dp) :: spacing, stretch, begun, next_look, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
+      integer :: i, j, q, stretches, contact(system%meshes)
+      logical :: keep_going
 
       call flow%setup(system, 1, flow_order, flow_tolerance)
       flow%x(1, :) = state
-      mesh_period = 2*pi/frequency_ratio
-      spacing = period*mesh_period/size(displacement, 1)
+      ! A period is flown over period of the fundamental by period of the fundamental, a window as a whole.
+      stretch = 2*pi/frequency_ratio
+      stretches = period
+      if (present(window)) then
+         if (window > 0) then
+            stretch = window*stretch
+            stretches = 1
+         end if
+      end if
+      spacing = stretches*stretch/size(displacement, 1)
+      next_look = 0
+      keep_going = .true.
       call flow%start(frequency_ratio, 0.0_dp)
       do j = 1, system%meshes
          call flow%element_now(system%mesh_element(j), displacement(1, j), velocity(1, j))
@@ -114,13 +136,13 @@ contains
       spent = 0
       if (present(largest)) largest = 0
       q = 2
-      do i = 1, period
+      do i = 1, stretches
          call flow%start(frequency_ratio, 0.0_dp)
-         do while (flow%time < mesh_period)
-            if (system%interrupt%raised()) exit
+         do while (flow%time < stretch)
+            if (system%interrupt%raised() .or. .not. keep_going) exit
             begun = flow%time
             contact = flow%contact
-            call flow%step(mesh_period)
+            call flow%step(stretch)
             do j = 1, system%meshes
                associate (region => max(-1, min(1, contact(j))))
                   spent(region, j) = spent(region, j) + flow%length
@@ -130,7 +152,7 @@ contains
                call reach(flow%contact(j))
             end do
             do while (q <= size(displacement, 1))
-               associate (t => (q - 1)*spacing - (i - 1)*mesh_period)
+               associate (t => (q - 1)*spacing - (i - 1)*stretch)
                   if (t > flow%time) exit
                   do j = 1, system%meshes
                      displacement(q, j) = flow%displacement(j, t - begun)
@@ -140,13 +162,21 @@ contains
                end associate
                q = q + 1
             end do
+            if (.not. present(observer) .or. flow%time < next_look) cycle
+            next_look = flow%time + cycle_time(system, frequency_ratio)
+            call observer%on_step('settling by time', int(flow%time/cycle_time(system, frequency_ratio)), frequency_ratio, &
+                                  keep_going)
          end do
       end do
-      if (system%interrupt%raised()) then
+      if (present(stopped)) stopped = .not. keep_going
+      if (present(share)) share = spent/(stretches*stretch)
+      if (system%interrupt%raised() .or. .not. keep_going) then
          displacement = 0
-         velocity = 0
+         if (present(rate)) rate = 0
+         if (present(force)) force = 0
+         if (present(torque)) torque = 0
+         return
       end if
-      if (present(share)) share = spent/(period*mesh_period)
       if (present(rate)) rate = velocity
       if (.not. present(force)) return
       do j = 1, system%meshes
@@ -217,42 +247,59 @@ contains
    end function memory_to_measure
 
    !> Computes the figures of a motion from its frequency, period and state.
-   subroutine measure(system, wanted, motion)
+   subroutine measure(system, wanted, motion, observer, stopped)
       !> The train.
       type(system_type), intent(in) :: system
-      !> Number of harmonics of Lambda in the coefficients, which are those of Lambda/period; 0: `stored_harmonics`.
+      !> Number of harmonics of Lambda in the coefficients, which are those of Lambda/period or Lambda/window; 0:
+      !> `stored_harmonics`.
       integer, intent(in) :: wanted
-      !> Given: frequency_ratio, period, state. Set: all figures.
+      !> Given: frequency_ratio, period or window, state, ringing. Set: all figures.
       type(motion_type), intent(inout) :: motion
+      !> Told of the flow over a window; may end it, and there are then no figures.
+      class(observer_type), intent(inout), optional :: observer
+      !> Whether the observer ended the flow.
+      logical, intent(out), optional :: stopped
       type(transform_type) :: transform
       real(dp), allocatable :: p(:, :), force(:, :), torque(:, :)
       real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes)
-      integer :: harmonics, j, k, q
+      real(dp) :: periods
+      integer :: harmonics, lines, j, k, q
+      logical :: ended
 
       harmonics = wanted
       if (wanted == 0) harmonics = stored_harmonics(system)
-      q = motion%period*measured_samples(system, harmonics)
+      periods = motion%period
+      if (motion%window > 0) periods = motion%window
+      lines = nint(harmonics*periods)
+      q = ceiling(periods*measured_samples(system, harmonics))
+      if (motion%window > 0) q = transform_length(q)
       allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%shafts))
-      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque)
+      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque, &
+                        window=motion%window, observer=observer, stopped=ended)
+      if (present(stopped)) stopped = ended
+      ! Figures of long windows take a second that nobody waits for any more.
+      if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
       motion%shaft_torque_mean = sum(torque, 1)/q
-      motion%shaft_torque_minimum = [(-peak(-torque(:, j)), j=1, size(torque, 2))]
-      motion%shaft_torque_maximum = [(peak(torque(:, j)), j=1, size(torque, 2))]
+      motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0), j=1, size(torque, 2))]
+      motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0), j=1, size(torque, 2))]
+      if (motion%window > 0) call find_uncertainty(system, p, force, torque, motion)
       call transform%plan(q)
       if (allocated(motion%coefficients)) deallocate (motion%coefficients)
-      allocate (motion%coefficients(1 + 2*harmonics*motion%period, system%meshes))
+      allocate (motion%coefficients(1 + 2*lines, system%meshes))
       motion%mean = sum(p, 1)/q
       motion%rms = [(sqrt(2*sum((p(:, j) - motion%mean(j))**2)/q), j=1, system%meshes)]
-      motion%minimum = [(-peak(-p(:, j)), j=1, system%meshes)]
-      motion%maximum = [(peak(p(:, j)), j=1, system%meshes)]
+      motion%minimum = [(-peak(-p(:, j), motion%window > 0), j=1, system%meshes)]
+      motion%maximum = [(peak(p(:, j), motion%window > 0), j=1, system%meshes)]
       if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
       allocate (motion%mesh_load(system%meshes))
       do j = 1, system%meshes
          if (system%law(j)%jumps) then
             associate (region => [(system%law(j)%region_at(p(k, j)), k=1, q)])
-               largest(:, j) = max(largest(:, j), [peak(force(:, j), region), peak(-force(:, j), region)])
+               largest(:, j) = max(largest(:, j), [peak(force(:, j), motion%window > 0, region), &
+                                                      peak(-force(:, j), motion%window > 0, region)])
             end associate
          else
-            largest(:, j) = [peak(force(:, j)), peak(-force(:, j))]
+            largest(:, j) = [peak(force(:, j), motion%window > 0), peak(-force(:, j), motion%window > 0)]
          end if
          call put_force(system, j, largest(1, j), largest(2, j), motion%mesh_load(j))
          if (.not. system%half_backlash(j) > 0) cycle
@@ -264,17 +311,51 @@ contains
          transform%sample = p(:, j)
          call transform%to_coefficients()
          motion%coefficients(1, j) = motion%mean(j)
-         do k = 1, harmonics*motion%period
+         do k = 1, lines
             motion%coefficients(2*k, j) = 2*real(transform%coefficient(k + 1), dp)/q
             motion%coefficients(2*k + 1, j) = -2*aimag(transform%coefficient(k + 1))/q
          end do
       end do
    end subroutine measure
 
-   !> Largest value of a periodic sequence, by the polynomial through the largest sample and two neighbours on each side, where all
-   !> five are in one region.
-   pure real(dp) function peak(p, region)
+   !> Sets what a longer window would change of the figures.
+   subroutine find_uncertainty(system, p, force, torque, motion)
+      type(system_type), intent(in) :: system
+      !> Displacements [1] and forces over k b_c [1], (sample, mesh); torques [N m], (sample, shaft).
+      real(dp), intent(in) :: p(:, :), force(:, :), torque(:, :)
+      type(motion_type), intent(inout) :: motion
+      type(figure_uncertainty_type) :: of_p(size(p, 2)), of_force(size(p, 2)), of_torque(size(torque, 2))
+      integer :: j
+
+      do j = 1, size(p, 2)
+         of_p(j) = uncertainty_of(p(:, j))
+         of_force(j) = uncertainty_of(force(:, j))
+      end do
+      do j = 1, size(torque, 2)
+         of_torque(j) = uncertainty_of(torque(:, j))
+      end do
+      associate (u => motion%uncertainty, unit => system%stiffness(system%mesh_element)*system%characteristic_length, &
+                 load => system%static_force(system%mesh_element))
+         u%rms = of_p%rms
+         u%mean = of_p%mean
+         u%minimum = of_p%minimum
+         u%maximum = of_p%maximum
+         u%force_maximum = max(of_force%maximum, of_force%minimum)
+         where (load > 0) u%force_maximum = of_force%maximum
+         where (load < 0) u%force_maximum = of_force%minimum
+         u%force_maximum = unit*u%force_maximum
+         u%torque_mean = of_torque%mean
+         u%torque_minimum = of_torque%minimum
+         u%torque_maximum = of_torque%maximum
+      end associate
+   end subroutine find_uncertainty
+
+   !> Largest value of a sequence, by the polynomial through the largest sample and two neighbours on each side, where all five are
+   !> in one region.
+   pure real(dp) function peak(p, open, region)
       real(dp), intent(in) :: p(:)
+      !> The sequence is that of a window; else it repeats itself after its end.
+      logical, intent(in) :: open
       integer, intent(in), optional :: region(:)
       !> Differences from the largest sample.
       real(dp) :: d(-2:2), c(4), x, slope, curvature
@@ -283,6 +364,7 @@ contains
       n = size(p)
       i = maxloc(p, 1)
       peak = p(i)
+      if (open .and. (i < 3 .or. i > n - 2)) return
       if (present(region)) then
          if (any(region([(modulo(i - 1 + k, n) + 1, k=-2, 2)]) /= region(i))) return
       end if

@@ -31,6 +31,10 @@ module geartrain_flow_run_up
       integer :: samples = 0, windows = 0
       !> Period of the steady motion with which the run-up begins [periods of the fundamental]; 0: no steady motion was found.
       integer :: start_period = 0
+      !> Time for which it settled by the time constants of the train before it begins [s]; 0: it did not.
+      real(dp) :: start_settling = 0
+      !> Amplitude of slow free vibrations as it begins, over the alternating displacement [1]; negative: not known.
+      real(dp) :: start_ringing = -1
       !> Time [s] and Lambda [1], (sample).
       real(dp), allocatable :: time(:), frequency_ratio(:)
       !> Mesh displacements over b_c [1] and mesh forces with damping [N], (mesh, sample); torques of the shafts [N m], (shaft,

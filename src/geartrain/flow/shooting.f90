@@ -91,7 +91,8 @@ contains
          if (.not. beyond) exit
          guess%state = other
       end do
-      if (found .and. present(side)) found = .not. beyond
+      ! Only where the side is told, an orbit can be on the wrong side.
+      if (found .and. present(side)) found = side < 0 .or. .not. beyond
       if (system%interrupt%raised()) then
          call fatal(error, 'refine: interrupted', status_ended_early)
       else if (found) then

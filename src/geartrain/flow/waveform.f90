@@ -15,8 +15,8 @@ module geartrain_flow_waveform
 
 contains
 
-   !> Samples a period of a motion (16 periods of the fundamental where no period was found) at equidistant instants, the first at
-   !> phase 0.
+   !> Samples a motion at equidistant instants, the first at phase 0: a period, or its window, or 16 periods of the fundamental
+   !> where it has neither.
    subroutine waveform(train, motion, samples, time, displacement, force, torque, velocity, periods)
       !> The train, which has been checked.
       type(train_type), intent(in) :: train
@@ -36,14 +36,22 @@ contains
       integer, intent(in), optional :: periods
       type(system_type) :: system
       real(dp), dimension(samples, size(displacement, 2)) :: phi, rate
+      real(dp) :: window, length
       integer :: period, q, j
 
       call build_system(train, system)
       period = merge(motion%period, 16, motion%period > 0)
-      if (present(periods)) period = periods
-      time = [(2*pi*period/motion%frequency_ratio*(q - 1)/samples, q=1, samples)]
+      window = motion%window
+      if (present(periods)) then
+         period = periods
+         window = 0
+      end if
+      length = period
+      if (window > 0) length = window
+      time = [(2*pi*length/motion%frequency_ratio*(q - 1)/samples, q=1, samples)]
       if (allocated(motion%state)) then
-         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, phi, torque=torque, rate=rate)
+         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, phi, torque=torque, rate=rate, &
+                           window=window)
       else
          call sum_series(system, motion, period, displacement, phi, rate)
          if (present(torque)) call find_torques(system, motion, time, phi, torque)

@@ -5,12 +5,16 @@ module geartrain_linalg_trigonometric
    use geartrain_linalg_fftw, only: transform_type
    implicit none (type, external)
    private
-   public :: evaluate, sample, extremes, next_maximum, least_height, rms, fine_samples, transform_length
+   public :: evaluate, sample, extremes, next_maximum, least_height, rms, fine_samples, own_resolution, resolution, &
+      transform_length
 
+   !> Distance of neighbouring harmonics beyond which a power of exp(i theta) takes longer than cosine and sine.
+   integer, parameter :: far_apart = 32
    !> Powers of exp(i theta) in a table.
    integer, parameter :: span = 64
-   !> Largest error of a parabola through samples, over the range of the samples.
-   real(dp), parameter :: near = 0.03_dp
+   !> Error of a height by `find_vertex` beside what it tells itself, over the range of the samples: 0.0005 for a sine of eight
+   !> samples a period.
+   real(dp), parameter :: near = 0.004_dp
 
 contains
 
@@ -21,6 +25,31 @@ contains
 
       fine_samples = max(32, transform_length(8*highest))
    end function fine_samples
+
+   !> The harmonic whose `fine_samples` show the extremes of a function: the largest of a sine with the amplitude and the third
+   !> derivative of the function, whose parabolas through three samples are as exact. Amplitudes that are small count little.
+   pure integer function resolution(amplitude, third, highest)
+      !> Root of the sum of squared amplitudes; bound of the third derivative with respect to theta.
+      real(dp), intent(in) :: amplitude, third
+      !> Highest harmonic, which is enough anyway.
+      integer, intent(in) :: highest
+
+      resolution = highest
+      if (sqrt(2.0_dp)*third < real(highest, dp)**3*amplitude) resolution = ceiling((sqrt(2.0_dp)*third/amplitude)**(1/3.0_dp))
+      resolution = max(1, resolution)
+   end function resolution
+
+   !> `resolution` of a trigonometric polynomial.
+   pure integer function own_resolution(u, harmonic)
+      !> Coefficients, (1 + 2*harmonics).
+      real(dp), intent(in) :: u(:)
+      !> Orders h, ascending, (harmonics).
+      integer, intent(in) :: harmonic(:)
+      integer :: k
+
+      own_resolution = resolution(norm2(u(2:)), sum([(hypot(u(2*k), u(2*k + 1))*real(harmonic(k), dp)**3, k=1, size(harmonic))]), &
+                                  maxval([1, harmonic]))
+   end function own_resolution
 
    !> Number of samples, at least `least`, whose transforms are fast: a power of two, or 3 or 5 times a power of two where that
    !> saves more than planning takes.
@@ -71,9 +100,13 @@ contains
             advance = z**step
          else if (harmonic(k) - harmonic(k - 1) /= step) then
             step = harmonic(k) - harmonic(k - 1)
-            advance = z**step
+            if (step <= far_apart) advance = z**step
          end if
-         power = power*advance
+         if (step <= far_apart) then
+            power = power*advance
+         else
+            power = cmplx(cos(harmonic(k)*theta), sin(harmonic(k)*theta), dp)
+         end if
          term = cmplx(u(2*k), -u(2*k + 1), dp)*power
          p = p + term%re
          slope = slope - harmonic(k)*term%im
@@ -112,7 +145,7 @@ contains
       end do
    end subroutine evaluate_many
 
-   !> Values of p at theta = 2 pi (q-1)/samples.
+   !> Values of p at theta = 2 pi (q-1)/samples, however few.
    subroutine sample(u, harmonic, transform, derivative)
       !> Coefficients, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
@@ -122,7 +155,8 @@ contains
       type(transform_type), intent(inout) :: transform
       !> Whether the values are dp/dtheta; absent: .false.
       logical, intent(in), optional :: derivative
-      integer :: k
+      complex(dp) :: amplitude
+      integer :: k, r
       logical :: slope
 
       slope = .false.
@@ -130,11 +164,16 @@ contains
       transform%coefficient = 0
       if (.not. slope) transform%coefficient(1) = u(1)
       do k = 1, size(harmonic)
-         if (slope) then
-            transform%coefficient(harmonic(k) + 1) = 0.5_dp*harmonic(k)*cmplx(u(2*k + 1), u(2*k), dp)
-         else
-            transform%coefficient(harmonic(k) + 1) = 0.5_dp*cmplx(u(2*k), -u(2*k + 1), dp)
+         amplitude = 0.5_dp*cmplx(u(2*k), -u(2*k + 1), dp)
+         if (slope) amplitude = 0.5_dp*harmonic(k)*cmplx(u(2*k + 1), u(2*k), dp)
+         ! A harmonic beyond half the samples has the values of a lower one.
+         r = modulo(harmonic(k), transform%samples)
+         if (2*r > transform%samples) then
+            r = transform%samples - r
+            amplitude = conjg(amplitude)
          end if
+         if (r == 0 .or. 2*r == transform%samples) amplitude = 2*amplitude%re
+         transform%coefficient(r + 1) = transform%coefficient(r + 1) + amplitude
       end do
       call transform%to_samples()
    end subroutine sample
@@ -181,18 +220,19 @@ contains
       !> Newton's method on the slope, from each of the highest maxima of side*p among the samples.
       subroutine refine(side, slack, extreme)
          integer, intent(in) :: side
-         !> Error of the parabolas.
+         !> Error of the heights.
          real(dp), intent(in) :: slack
          real(dp), intent(inout) :: extreme
-         real(dp) :: height(turns), place(turns), greatest, theta, p, slope, curvature, correction, spacing
+         real(dp) :: height(turns), place(turns), doubt, greatest, theta, p, slope, curvature, correction, spacing
          integer :: i, k
 
          spacing = 2*pi/transform%samples
          greatest = -huge(greatest)
          do k = 1, turns
             if (side*turn(k) < 0) cycle
-            call find_vertex(transform%sample, side, abs(turn(k)), place(k), height(k))
-            greatest = max(greatest, height(k))
+            call find_vertex(transform%sample, side, abs(turn(k)), place(k), height(k), doubt)
+            greatest = max(greatest, height(k) - doubt)
+            height(k) = height(k) + doubt
          end do
          do k = 1, turns
             if (side*turn(k) < 0) cycle
@@ -212,7 +252,7 @@ contains
 
    end subroutine extremes
 
-   !> The next maximum of side*values, by the parabola through a sample and its two neighbours.
+   !> The next maximum of side*values, by `find_vertex`.
    pure subroutine next_maximum(values, side, least, q, place)
       !> Samples of a period; least height of the maximum.
       real(dp), intent(in) :: values(:), least
@@ -222,32 +262,32 @@ contains
       integer, intent(inout) :: q
       !> Angle of the maximum found [rad].
       real(dp), intent(out) :: place
-      real(dp) :: height
+      real(dp) :: height, doubt
       integer :: first
 
       first = q + 1
       do q = first, size(values)
          if (.not. is_maximum(values, side, q)) cycle
-         call find_vertex(values, side, q, place, height)
-         if (height >= least) return
+         call find_vertex(values, side, q, place, height, doubt)
+         if (height + doubt >= least) return
       end do
       q = 0
    end subroutine next_maximum
 
-   !> Height above which a maximum of side*values may be the greatest, given the error of the parabolas.
+   !> Height above which a maximum of side*values may be the greatest, given the error of the heights.
    pure real(dp) function least_height(values, side)
       !> Samples of a period.
       real(dp), intent(in) :: values(:)
       !> +1 for maxima, -1 for minima.
       integer, intent(in) :: side
-      real(dp) :: place, height, greatest
+      real(dp) :: place, height, doubt, greatest
       integer :: q
 
       greatest = -huge(greatest)
       do q = 1, size(values)
          if (.not. is_maximum(values, side, q)) cycle
-         call find_vertex(values, side, q, place, height)
-         greatest = max(greatest, height)
+         call find_vertex(values, side, q, place, height, doubt)
+         greatest = max(greatest, height - doubt)
       end do
       least_height = greatest - near*(maxval(values) - minval(values))
    end function least_height
@@ -263,20 +303,22 @@ contains
       end associate
    end function is_maximum
 
-   !> Angle [rad] and height of the vertex of the parabola through sample q of side*values and its neighbours.
-   pure subroutine find_vertex(values, side, q, place, height)
+   !> Angle [rad] of the vertex of the parabola through sample q of side*values and its neighbours, the height there of the
+   !> polynomial through five samples, and its distance from the parabola: the height is doubtful by as much, as next to a kink.
+   pure subroutine find_vertex(values, side, q, place, height, doubt)
       real(dp), intent(in) :: values(:)
       integer, intent(in) :: side, q
-      real(dp), intent(out) :: place, height
-      real(dp) :: left, here, right, offset
+      real(dp), intent(out) :: place, height, doubt
+      real(dp) :: f(-2:2), t
+      integer :: i
 
       associate (n => size(values))
-         here = side*values(q)
-         left = side*values(merge(n, q - 1, q == 1))
-         right = side*values(merge(1, q + 1, q == n))
-         offset = 0.5_dp*(right - left)/(2*here - left - right)
-         height = here + 0.25_dp*(right - left)*offset
-         place = (q - 1 + offset)*2*pi/n
+         f = side*values([(modulo(q + i - 1, n) + 1, i=-2, 2)])
+         t = 0.5_dp*(f(1) - f(-1))/(2*f(0) - f(-1) - f(1))
+         height = t*(t**2 - 1)/12*(f(2) - 2*f(1) + 2*f(-1) - f(-2) + t/2*(f(2) - 4*f(1) + 6*f(0) - 4*f(-1) + f(-2)))
+         doubt = abs(height)
+         height = height + f(0) + t*((f(1) - f(-1))/2 + t/2*(f(1) - 2*f(0) + f(-1)))
+         place = (q - 1 + t)*2*pi/n
       end associate
    end subroutine find_vertex
 

@@ -28,6 +28,8 @@ module geartrain_mesh_law_contact
       !> Plan of the sampled DFT; samples of p and of dp/dtheta [1], (sample).
       type(transform_type), private :: sampled
       real(dp), allocatable, private :: p(:), slope(:)
+      !> Distance from the nearest wall that p keeps at least [1], where its amplitudes tell it without samples; else 0.
+      real(dp), private :: margin = 0
       !> kappa [1] at the samples of the DFT, (sample, region); region at each sample, (sample).
       real(dp), allocatable, private :: kappa_sample(:, :)
       integer, allocatable, private :: region_sample(:)
@@ -39,6 +41,8 @@ module geartrain_mesh_law_contact
       procedure :: extend
       procedure :: shares
       procedure :: clearance
+      procedure :: contact_at
+      procedure, private :: keep_distance
       procedure, private :: find_events
       procedure, private :: sampled_spectra
    end type contact_type
@@ -84,7 +88,8 @@ contains
       self%events = 0
       self%first_contact = 1
       if (self%law%highest > self%law%lowest) then
-         call self%find_events(u, fine)
+         call self%keep_distance(u)
+         if (.not. (self%exact .and. self%margin > 0)) call self%find_events(u, fine)
          if (.not. self%exact) then
             call self%sampled_spectra(u)
             return
@@ -106,6 +111,18 @@ contains
       call find_spectra(self%law, self%eta, self%first_contact, self%instant(:self%events), self%contact(:self%events), spectra, &
                         highest)
    end subroutine extend
+
+   !> Region at an instant of the period, at the latest `update`.
+   pure integer function contact_at(self, theta)
+      class(contact_type), intent(in) :: self
+      !> theta [rad]; at an event, the region before it.
+      real(dp), intent(in) :: theta
+      integer :: k
+
+      k = count(self%instant(:self%events) < theta)
+      contact_at = self%first_contact
+      if (k > 0) contact_at = self%contact(k)
+   end function contact_at
 
    !> Shares of the period in separation and in back contact, at the latest `update`.
    pure subroutine shares(self, separation, back_contact)
@@ -129,14 +146,16 @@ contains
    end subroutine shares
 
    !> Least distance of an extreme of p from a wall [1], at the latest `update`: a change of p by this distance may add or remove a
-   !> contact. Extremes are those of the parabolas through three samples. Huge for a linear mesh.
+   !> contact. Extremes are those of the parabolas through three samples; of a motion that was not sampled, no more than is known.
+   !> Huge for a linear mesh.
    pure real(dp) function clearance(self)
       class(contact_type), intent(in) :: self
       real(dp) :: before, here, after, extreme
       integer :: q, n
 
       clearance = huge(1.0_dp)
-      if (.not. allocated(self%p)) return
+      if (self%margin > 0) clearance = self%margin
+      if (self%margin > 0 .or. .not. allocated(self%p)) return
       n = size(self%p)
       before = self%p(n)
       here = self%p(1)
@@ -150,6 +169,25 @@ contains
          here = after
       end do
    end function clearance
+
+   !> Sets `margin` and the region where the sum of all amplitudes does not take p to a wall: of hunting teeth that saves a hundred
+   !> thousand samples. The distance left is `far_off` of the amplitudes at least, beside which any error that an estimate is
+   !> trusted with is small.
+   subroutine keep_distance(self, u)
+      class(contact_type), intent(inout) :: self
+      real(dp), intent(in) :: u(:)
+      real(dp), parameter :: far_off = 0.3_dp
+      real(dp) :: reach
+      integer :: k
+
+      reach = 0
+      do k = 2, size(u) - 1, 2
+         reach = reach + hypot(u(k), u(k + 1))
+      end do
+      self%margin = minval(abs(u(1) - self%law%wall)) - reach
+      if (.not. self%margin > far_off*reach) self%margin = 0
+      if (self%margin > 0) self%first_contact = self%law%region_at(u(1))
+   end subroutine keep_distance
 
    !> Finds the crossings of the walls: samples bracket them, Newton's method polishes them. Where the motion turns back towards a
    !> wall between two samples on one side of the wall, the extreme decides whether the wall is crossed twice.

@@ -13,7 +13,7 @@ module geartrain_model_modes
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: modes_type, natural_modes, natural_frequency_ranges, stiffness_at_rest
+   public :: modes_type, natural_modes, natural_frequency_ranges, state_matrix, stiffness_at_rest
 
    type :: modes_type
       !> Undamped natural frequencies over characteristic frequency [1], ascending, without the rigid-body mode, (mode).
@@ -175,21 +175,17 @@ contains
       end do
    end function stiffness_at_rest
 
-   !> Eigenvalues of p'' + W Gamma p' + W K p = 0, K the stiffness at rest; each mode gets the eigenvalue of the nearest magnitude.
-   !> With damping to ground the smallest real eigenvalue is the rate at which the whole train comes to rest: it is no mode.
-   subroutine damped(system, modes, info)
+   !> Matrix of the mean system at rest, (state, state): the time derivative of a small difference of states is the matrix times the
+   !> difference. p'' + W Gamma p' + W K p = 0, K the stiffness at rest.
+   pure function state_matrix(system) result(matrix)
+      !> The train.
       type(system_type), intent(in) :: system
-      type(modes_type), intent(inout) :: modes
-      integer, intent(out) :: info
-      real(dp), allocatable :: a(:, :), wr(:), wi(:), work(:), empty(:, :)
-      real(dp) :: stiffness(system%elements)
-      logical, allocatable :: taken(:)
-      integer, allocatable :: kept(:)
-      integer :: n, i, j, best, states
+      real(dp) :: matrix(system%states, system%states)
+      real(dp) :: a(2*system%coordinates, 2*system%coordinates), stiffness(system%elements)
+      integer :: kept(system%states), n, i, j
 
       n = system%coordinates
       stiffness = stiffness_at_rest(system)
-      allocate (a(2*n, 2*n), wr(system%states), wi(system%states), work(16*n), empty(1, 1))
       a = 0
       do i = 1, n
          a(i, n + i) = 1
@@ -210,8 +206,22 @@ contains
          end do
       end do
       kept = [(i, i=1, system%displacements), (n + i, i=1, n)]
-      a = a(kept, kept)
+      matrix = a(kept, kept)
+   end function state_matrix
+
+   !> Eigenvalues of the mean system at rest; each mode gets the eigenvalue of the nearest magnitude.
+   !> With damping to ground the smallest real eigenvalue is the rate at which the whole train comes to rest: it is no mode.
+   subroutine damped(system, modes, info)
+      type(system_type), intent(in) :: system
+      type(modes_type), intent(inout) :: modes
+      integer, intent(out) :: info
+      real(dp), allocatable :: a(:, :), wr(:), wi(:), work(:), empty(:, :)
+      logical, allocatable :: taken(:)
+      integer :: n, i, best, states
+
       states = system%states
+      allocate (a(states, states), wr(states), wi(states), work(16*system%coordinates), empty(1, 1))
+      a = state_matrix(system)
       call dgeev('N', 'N', states, a, states, wr, wi, empty, 1, empty, 1, work, size(work), info)
       n = system%displacements
       allocate (modes%damped_frequency(n), modes%damping_ratio(n))

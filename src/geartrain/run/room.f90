@@ -40,7 +40,7 @@ contains
       logical, intent(inout) :: keep_going
 
       ! The periods of a motion that settles add nothing to the results.
-      if (analysis == 'settling') return
+      if (analysis == 'settling' .or. analysis == 'settling by time') return
       if (analysis /= self%analysis) then
          self%analysis = analysis
          self%steps = 0

@@ -1,0 +1,83 @@
+!> Harmonics of the tail of a balance, those that it leaves out and may not neglect.
+module geartrain_balance_tail_harmonics
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: far, near, resonance_ratio, tail_harmonics
+
+   !> The tail has the harmonics up to `near` times the highest carried harmonic, and up to `far` times the highest carried harmonic
+   !> those near a natural frequency: within these ratios to a natural frequency of the train in contact, which separation lowers.
+   integer, parameter :: near = 3, far = 8
+   real(dp), parameter :: lowest_resonance = 0.7_dp, highest_resonance = 1.15_dp
+   !> Natural frequencies nearer to each other than this ratio have a range of harmonics near them in common.
+   real(dp), parameter :: resonance_ratio = highest_resonance/lowest_resonance
+
+contains
+
+   !> The harmonics of Lambda/eta in the tail, ascending: all that the balance misses up to `near`, those near a natural frequency
+   !> up to `far`, and all of the excitation; where no teeth part, those of them that anything drives.
+   pure function tail_harmonics(balance, frequency_ratio, resonance) result(harmonic)
+      !> The balance, evaluated.
+      type(balance_type), intent(in) :: balance
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Ranges of natural frequencies over characteristic frequency [1], (2, range); absent: none is looked at.
+      real(dp), intent(in), optional :: resonance(:, :)
+      integer, allocatable :: harmonic(:)
+      logical, allocatable :: taken(:)
+      real(dp) :: r(2)
+      integer :: k, least
+
+      ! Linear: harmonics do not make others.
+      harmonic = balance%left_out
+      if (balance%unknowns == 0) return
+      if (.not. any(balance%contact%events > 0)) then
+         taken = driven_harmonics(balance)
+      else
+         allocate (taken(far*balance%highest), source=.false.)
+         taken(balance%missing) = .true.
+         if (present(resonance)) then
+            do k = 1, size(resonance, 2)
+               r = resonance(:, k)*balance%eta/frequency_ratio
+               least = int(min(lowest_resonance*r(1), real(size(taken), dp))) + 1
+               taken(max(least, near*balance%highest + 1):int(min(highest_resonance*r(2), real(size(taken), dp)))) = .true.
+            end do
+         end if
+      end if
+      taken(pack(balance%left_out, balance%left_out <= size(taken))) = .true.
+      harmonic = pack([(k, k=balance%repeats, size(taken), balance%repeats)], taken(balance%repeats::balance%repeats))
+      harmonic = [harmonic, pack(balance%left_out, balance%left_out > size(taken))]
+   end function tail_harmonics
+
+   !> Which harmonics the carried ones times kappa drive and are not carried: where no teeth part the force has no others. Of
+   !> hunting teeth these are some hundred of a hundred thousand.
+   pure function driven_harmonics(balance) result(driven)
+      type(balance_type), intent(in) :: balance
+      logical, allocatable :: driven(:)
+      integer :: h, i
+
+      allocate (driven(far*balance%highest), source=.false.)
+      do i = 1, balance%unknowns
+         associate (law => balance%contact(i)%law)
+            if (.not. law%varies(balance%contact(i)%first_contact)) cycle
+            do h = 1, size(law%harmonic)
+               associate (r => balance%eta*law%harmonic(h))
+                  call mark([r, balance%harmonic + r, abs(balance%harmonic - r)])
+               end associate
+            end do
+         end associate
+      end do
+      driven(balance%harmonic) = .false.
+
+   contains
+
+      pure subroutine mark(harmonic)
+         integer, intent(in) :: harmonic(:)
+
+         driven(pack(harmonic, harmonic > 0 .and. harmonic <= size(driven))) = .true.
+      end subroutine mark
+
+   end function driven_harmonics
+
+end module geartrain_balance_tail_harmonics

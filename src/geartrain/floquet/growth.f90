@@ -1,0 +1,143 @@
+!> How fast the slowest perturbation of a motion dies out, or the fastest grows, without its Floquet multipliers: over a part of the
+!> period, where the period is that of hunting teeth and 30,000 mesh cycles long.
+!>
+!> Perturbations obey x' = A(theta_1, theta_2, ..) x with a phase for each mesh. After a time at which all meshes stand nearly where
+!> they stood, the matrix of the perturbations is nearly exp(B time) in the coordinates of Floquet: the logarithms of its
+!> eigenvalues over the time are the exponents, but for what the meshes lack of a whole number of cycles, over the time. The time is
+!> doubled until the largest exponent has changed by little beside its distance from 0; at the whole period it is exact.
+module geartrain_floquet_growth
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_floquet_motion_contacts, only: motion_contacts_type
+   use geartrain_floquet_multipliers, only: neutral
+   use geartrain_linalg_lapack, only: dgemm
+   use geartrain_model_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: find_growth, growth_type, has_long_period, shifted_rate
+
+   !> Cycles of the fastest mesh a period above which the period is long.
+   integer, parameter :: long_period = 500
+   !> Cycles of the fastest mesh in the first part; the part grows by two until its rate is sure.
+   integer, parameter :: first_cycles = 32
+   !> A part this share of the period is as well the whole.
+   real(dp), parameter :: almost_whole = 0.6_dp
+   !> Distance of a rate from 0, over its error, above which its sign is decided [1].
+   real(dp), parameter :: surely = 4
+
+   type :: growth_type
+      !> Real part of the largest Floquet exponent and its estimated error [1/dimensionless time]; NaN: interrupted.
+      real(dp) :: rate = 0, error = 0
+      !> The time over which it was found [1].
+      real(dp) :: time = 0
+      !> The error is small beside the rate, and determinants confirm the matrices.
+      logical :: sure = .false.
+   end type growth_type
+
+contains
+
+   !> Whether the motions of a train have a period so long that stability is found over a part of it.
+   pure logical function has_long_period(motion)
+      !> A motion of the train.
+      class(motion_contacts_type), intent(in) :: motion
+
+      has_long_period = motion%eta*highest_order(motion%system) > long_period*motion%repeats
+   end function has_long_period
+
+   !> Finds the growth rate of a motion.
+   subroutine find_growth(monodromy, motion, frequency_ratio, growth)
+      !> Matrix of the perturbations, set up for the train.
+      type(monodromy_type), intent(inout) :: monodromy
+      !> Contacts of the motion over its period.
+      class(motion_contacts_type), intent(in) :: motion
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> The rate.
+      type(growth_type), intent(out) :: growth
+      real(dp) :: product(monodromy%states, monodromy%states), before(monodromy%states, monodromy%states)
+      real(dp) :: cycle, period, time, rate, change(2)
+      integer :: n, cycles
+      logical :: confirmed
+
+      n = monodromy%states
+      period = 2*pi*motion%eta/frequency_ratio/motion%repeats
+      cycle = 2*pi/(frequency_ratio*highest_order(motion%system))
+      change = huge(change)
+      confirmed = .true.
+      cycles = first_cycles
+      do while (growth%time < period)
+         time = cycle*nearest_return(motion%system, cycles)
+         if (time > almost_whole*period) time = period
+         call monodromy%integrate_from(motion, frequency_ratio, growth%time, time - growth%time)
+         confirmed = confirmed .and. monodromy%confirmed
+         if (cycles == first_cycles) then
+            product = monodromy%transposed
+         else
+            before = product
+            call dgemm('N', 'N', n, n, n, 1.0_dp, before, n, monodromy%transposed, n, 0.0_dp, product, n)
+            monodromy%transposed = product
+         end if
+         rate = growth_rate(monodromy, time)
+         if (cycles > first_cycles) change = [abs(rate - growth%rate), change(1)/2]
+         if (.not. time < period) change = 0
+         growth = growth_type(rate=rate, error=maxval(change) + neutral/time, time=time)
+         growth%sure = confirmed .and. abs(rate) > surely*growth%error
+         if (growth%sure .or. ieee_is_nan(rate)) exit
+         cycles = 2*cycles
+      end do
+   end subroutine find_growth
+
+   !> The rate over the time of a growth, of a motion with other contact events [1/dimensionless time].
+   real(dp) function shifted_rate(monodromy, motion, frequency_ratio, growth, shift)
+      !> Matrix of the perturbations, set up for the train.
+      type(monodromy_type), intent(inout) :: monodromy
+      !> Contacts of the motion over its period.
+      class(motion_contacts_type), intent(in) :: motion
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Growth of the motion as it is.
+      type(growth_type), intent(in) :: growth
+      !> What each contact event is moved by [rad], (event, unknown mesh).
+      real(dp), intent(in) :: shift(:, :)
+
+      call monodromy%integrate_from(motion, frequency_ratio, 0.0_dp, growth%time, shift)
+      shifted_rate = growth_rate(monodromy, growth%time)
+   end function shifted_rate
+
+   !> Largest rate by the latest matrix [1/dimensionless time].
+   real(dp) function growth_rate(monodromy, time)
+      type(monodromy_type), intent(inout) :: monodromy
+      real(dp), intent(in) :: time
+      complex(dp) :: multipliers(monodromy%given)
+
+      call monodromy%multipliers(multipliers)
+      growth_rate = log(max(abs(multipliers(1)), tiny(time)))/time
+   end function growth_rate
+
+   !> Frequency of the fastest mesh over Lambda [1].
+   pure real(dp) function highest_order(system)
+      type(system_type), intent(in) :: system
+
+      highest_order = maxval([1.0_dp, system%law%order])
+   end function highest_order
+
+   !> A number of cycles of the fastest mesh, from `least` to half as many again, after which the other meshes stand most nearly
+   !> where they stood.
+   pure integer function nearest_return(system, least) result(cycles)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: least
+      real(dp) :: turns(system%meshes), off, nearest
+      integer :: k
+
+      nearest = huge(nearest)
+      cycles = least
+      do k = least, least + least/2
+         turns = k*system%law%order/highest_order(system)
+         off = sum((turns - anint(turns))**2)
+         if (off < nearest) cycles = k
+         nearest = min(nearest, off)
+      end do
+   end function nearest_return
+
+end module geartrain_floquet_growth
