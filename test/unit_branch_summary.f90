@@ -54,8 +54,8 @@ contains
                                special_point_type(kind='branch point', frequency_ratio=0.5_dp, point=1)]
       found = peaks(branch, 1)
       call tests%is_true(size(found) == 1, 'one peak')
-      ! Cubics over the length of the chord from (0.74, 1) to (0.9, 0.8), by numpy.poly1d: without derivatives of the branch those of
-      ! parabolas through three points.
+      ! Cubics over the length of the chord from (0.74, 1) to (0.9, 0.8), by numpy.poly1d: without derivatives of the branch those
+      ! of parabolas through three points.
       call tests%is_close(found(1)%frequency_ratio, 0.749393066756758_dp, 1e-12_dp, 'its frequency')
       call tests%is_close(found(1)%rms, 1.006671808407637_dp, 1e-12_dp, 'its rms')
       call tests%is_true(found(1)%stable .and. found(1)%point == 6, 'its stability and point')

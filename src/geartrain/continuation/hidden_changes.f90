@@ -8,6 +8,7 @@
 module geartrain_continuation_hidden_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, multipliers_at, special_point_type
+   use geartrain_continuation_circle_samples, only: distance_of, far, most_places, none, samples_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_linearized_motion, only: solution_on
    use geartrain_continuation_points, only: motion_of
@@ -20,26 +21,8 @@ module geartrain_continuation_hidden_changes
    private
    public :: add_hidden_changes
 
-   !> Distance from the circle of a multiplier at both ends of a step beyond which it does not cross within the step.
-   real(dp), parameter :: far = 0.3_dp
    !> Uncertainty of the estimate, as a share of the variation of the function at the four points.
    real(dp), parameter :: uncertain = 0.25_dp
-   !> Most multipliers that are computed within a step for each kind and sense; places at which a parabola is looked at.
-   integer, parameter :: most_places = 4, places = 16
-   !> Least distance of a place from the ends, as a share of the interval.
-   real(dp), parameter :: off_ends = 0.1_dp
-   !> Value of the function where there is no multiplier of the kind.
-   real(dp), parameter :: none = -huge(1.0_dp)
-
-   !> The function at points of the branch along the step.
-   type :: samples_type
-      integer :: taken = 0
-      !> Distance from the beginning of the step; value, ascending by distance.
-      real(dp) :: at(4 + most_places) = 0, f(4 + most_places) = 0
-   contains
-      procedure :: insert
-      procedure :: highest
-   end type samples_type
 
 contains
 
@@ -78,7 +61,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       complex(dp) :: multipliers(branch%states, -1:2)
       real(dp) :: f(-1:2)
-      logical :: known(-1:2), found, scaled
+      logical :: known(-1:2), found
       real(dp) :: apart(-1:1)
       integer :: counted(3), changed(3), k, kind, number, sense
       type(samples_type) :: samples
@@ -115,7 +98,7 @@ contains
             end do
             if (any(f(0:1) <= none) .or. all(f(0:1) < -far) .or. any(f(0:1) >= 0)) cycle
             call begin_samples()
-            if (.not. is_within_reach(samples)) cycle
+            if (.not. samples%reach_circle(apart(0), uncertain)) cycle
             call look(found)
             if (found) return
          end do
@@ -144,26 +127,12 @@ contains
       end subroutine prepare_piece
 
       subroutine begin_samples()
-         scaled = .false.
          samples%taken = 0
          if (f(-1) > none) call samples%insert(-apart(-1), f(-1))
          call samples%insert(0.0_dp, f(0))
          call samples%insert(apart(0), f(1))
          if (f(2) > none) call samples%insert(apart(0) + apart(1), f(2))
       end subroutine begin_samples
-
-      !> Whether the circle may be reached within the step.
-      logical function is_within_reach(samples) result(may)
-         type(samples_type), intent(in) :: samples
-         real(dp) :: s, peak
-
-         may = samples%taken > 2 .and. apart(0) > 0
-         if (.not. may) return
-         call samples%highest(merge(piece%length, apart(0), scaled), s, peak)
-         associate (values => samples%f(:samples%taken))
-            may = peak + uncertain*(maxval(values) - minval(values)) > 0
-         end associate
-      end function is_within_reach
 
       !> Computes multipliers where the function may be highest.
       subroutine look(found)
@@ -177,7 +146,6 @@ contains
          found = .false.
          call orient_ends()
          samples%at = samples%at*(piece%length/apart(0))
-         scaled = .true.
          do n = 1, most_places
             call samples%highest(piece%length, s, peak)
             call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, s, solution, between, success)
@@ -193,7 +161,7 @@ contains
             value = sense*distance_of(between, kind, number)
             if (abs(value) >= -none) return
             call samples%insert(s, value)
-            if (.not. is_within_reach(samples)) return
+            if (.not. samples%reach_circle(piece%length, uncertain)) return
          end do
       end subroutine look
 
@@ -221,83 +189,5 @@ contains
       end subroutine orient
 
    end subroutine add_in_step
-
-   !> Adds a sample.
-   pure subroutine insert(self, at, f)
-      class(samples_type), intent(inout) :: self
-      !> Distance from the beginning of the step [1].
-      real(dp), intent(in) :: at
-      !> Value.
-      real(dp), intent(in) :: f
-      integer :: n
-
-      n = count(self%at(:self%taken) < at)
-      self%at(n + 2:self%taken + 1) = self%at(n + 1:self%taken)
-      self%f(n + 2:self%taken + 1) = self%f(n + 1:self%taken)
-      self%at(n + 1) = at
-      self%f(n + 1) = f
-      self%taken = self%taken + 1
-   end subroutine insert
-
-   !> The place in the step at which the parabolas through three samples in a row are highest.
-   pure subroutine highest(self, length, s, peak)
-      class(samples_type), intent(in) :: self
-      !> Length of the step [1].
-      real(dp), intent(in) :: length
-      !> Distance of the place from the beginning of the step [1]; value there.
-      real(dp), intent(out) :: s, peak
-      real(dp) :: x, value
-      integer :: j, k, n
-
-      peak = none
-      s = length/2
-      do j = 1, self%taken - 1
-         associate (a => self%at(j), b => self%at(j + 1))
-            if (a < 0 .or. b > length .or. .not. b > a) cycle
-            do n = 1, places - 1
-               x = a + (b - a)*(off_ends + (1 - 2*off_ends)*n/places)
-               do k = max(1, j - 1), min(j, self%taken - 2)
-                  value = parabola(self%at(k:k + 2), self%f(k:k + 2), x)
-                  if (value <= peak) cycle
-                  peak = value
-                  s = x
-               end do
-            end do
-         end associate
-      end do
-   end subroutine highest
-
-   !> The parabola through three points.
-   pure real(dp) function parabola(at, f, x)
-      real(dp), intent(in) :: at(3), f(3), x
-      real(dp) :: first, second
-
-      first = (f(2) - f(1))/(at(2) - at(1))
-      second = ((f(3) - f(2))/(at(3) - at(2)) - first)/(at(3) - at(1))
-      parabola = f(1) + (x - at(1))*(first + (x - at(2))*second)
-   end function parabola
-
-   !> How far a multiplier is outside the circle, negative inside; the farthest one has number 1; -none: there is none. Where a real
-   !> one below -1 crosses a pair counts as well, with its distance from -1: it may become real between two points.
-   pure real(dp) function distance_of(multipliers, kind, number) result(distance)
-      complex(dp), intent(in) :: multipliers(:)
-      integer, intent(in) :: kind, number
-      real(dp) :: value(size(multipliers))
-      integer :: i, n
-
-      associate (mu => multipliers)
-         if (kind == doubling) then
-            value = merge(-1 - mu%re, -abs(1 + mu), abs(mu%im) <= 0)
-            n = number
-         else
-            value = merge(none, abs(mu) - 1, abs(mu%im) <= 0)
-            n = 2*number - 1
-         end if
-      end associate
-      do i = 1, n - 1
-         value(maxloc(value, 1)) = none
-      end do
-      distance = maxval(value)
-   end function distance_of
 
 end module geartrain_continuation_hidden_changes

@@ -10,6 +10,7 @@ module geartrain_continuation_response
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_both_ways, only: trace_both_ways
    use geartrain_continuation_branch, only: branch_type, coefficients_of, response_settings_type
+   use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_first_motion, only: find_start
    use geartrain_continuation_interruption, only: drop_step
@@ -92,6 +93,7 @@ contains
       call add_points_between(tracer, branch)
       call tracer%tell_missed(branch)
       call tracer%recorder%finish(branch)
+      if (.not. branch%cancelled) call locate_contact_edges(train, settings, branch)
    end subroutine response
 
    !> Traces from `start` towards `stop`, unless branch%trace tells that this is done, then from `stop` towards `start`.

@@ -1,4 +1,4 @@
-!> Locates changes of stability between two neighbouring points of a branch, by counting the multipliers outside the unit circle:
+!> Locates changes of stability between two places of a branch, by counting the multipliers outside the unit circle:
 !> real multipliers below -1, real multipliers above +1 and complex pairs.
 !>
 !> Counts by kind, unlike their sum, tell two period doublings in one step, a period doubling where a pair enters, and a pair that
@@ -6,16 +6,16 @@
 !> damping, are never outside. Real multipliers pass +1 at folds and branch points, which the balance locates more exactly.
 module geartrain_continuation_stability_changes
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type, multipliers_at
+   use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_special_points, only: add_special_point, rms_of
-   use geartrain_continuation_step_geometry, only: arc_length, cosine, go_along
+   use geartrain_continuation_step_geometry, only: go_along
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: are_numbers, neutral
+   use geartrain_floquet_multipliers, only: neutral
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
-   public :: add_stability_changes, find_multipliers, largest_multiplier, outside, piece_type, separate
+   public :: find_multipliers, hides_pair, largest_multiplier, outside, piece_type, separate
 
    public :: doubling, neimark_sacker
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
@@ -29,10 +29,6 @@ module geartrain_continuation_stability_changes
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
    !> circle, at the latest two places, up to which the chord through them is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
-   !> Distance in Lambda of places in a step [units_type], length of the branch between them [1], and angle by which it turns [rad],
-   !> at which multipliers are computed if at an end of the step one is within `far` of the circle; most places.
-   real(dp), parameter :: spacing = 0.025_dp, length_between = 0.05_dp, turn = 0.25_dp, far = 0.3_dp
-   integer, parameter :: most_probes = 40
    !> Distance from +1 within which a real multiplier may pass +1 at an end of a piece; length of a piece, as a share of the step,
    !> in which no more hidden pairs are sought.
    real(dp), parameter :: next_to_one = 0.02_dp, least = 1e-3_dp
@@ -50,70 +46,6 @@ module geartrain_continuation_stability_changes
    end type piece_type
 
 contains
-
-   !> Lists the changes of stability between two neighbouring points of a branch as special points.
-   subroutine add_stability_changes(corrector, monodromy, here, next, before, after, branch)
-      !> Corrector of the branch.
-      type(corrector_type), intent(inout) :: corrector
-      !> Monodromy matrix set up for the system; work space.
-      type(monodromy_type), intent(inout) :: monodromy
-      !> The two points with their tangents.
-      type(solution_point_type), intent(in) :: here, next
-      !> Numbers of the two points; the special points are listed after point `after` - 1.
-      integer, intent(in) :: before, after
-      !> Branch with the multipliers of both points; its `special_points` grow.
-      type(branch_type), intent(inout), target :: branch
-      type(piece_type) :: piece
-      type(solution_point_type) :: solution
-      complex(dp) :: first(branch%states), middle(branch%states), last(branch%states)
-      real(dp) :: s, from
-      integer :: probes, i
-      logical :: success
-
-      first = multipliers_at(branch, before)
-      last = multipliers_at(branch, after)
-      if (.not. (are_numbers(first) .and. are_numbers(last))) return
-      if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
-      piece = piece_type(here, next, arc_length(here, next, corrector%units), branch%arclength(before))
-      ! Where teeth stay in contact the motion hardly changes over a range in which a mode or two resonate with the mesh stiffness.
-      probes = 0
-      if (minval(abs(abs([first, last]) - 1)) < far) &
-         probes = max(int(acos(max(-1.0_dp, min(1.0_dp, cosine(here, next, corrector%units))))/turn), &
-                      int(piece%length/length_between), &
-                      int(abs(next%frequency_ratio - here%frequency_ratio)/(spacing*corrector%units%frequency_ratio)))
-      probes = min(probes, most_probes)
-      from = 0
-      do i = 1, probes + 1
-         s = i*piece%length/(probes + 1)
-         middle = last
-         if (i <= probes) then
-            ! The motion on the cubic is near enough to see whether they count otherwise.
-            solution = here
-            call go_along(here, next, s/piece%length, corrector%units, solution)
-            call corrector%balance%evaluate(solution%u, solution%frequency_ratio)
-            corrector%evaluations = corrector%evaluations + 1
-            call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
-            call monodromy%multipliers(middle)
-            if (.not. are_numbers(middle)) cycle
-            if (differ(first, middle)) then
-               call find_multipliers(corrector, monodromy, piece, s, s, s, solution, middle, success)
-               if (.not. success) cycle
-            end if
-         end if
-         if (differ(first, middle)) call separate(corrector, monodromy, piece, from, s, first, middle, after, branch)
-         first = middle
-         from = s
-      end do
-   end subroutine add_stability_changes
-
-   !> Whether multipliers pass the circle, or may, between two places.
-   pure logical function differ(first, last)
-      complex(dp), intent(in) :: first(:), last(:)
-
-      ! The multipliers are sorted by magnitude: none is outside, which is the rule.
-      differ = .not. max(abs(first(1)), abs(last(1))) <= 1
-      if (differ) differ = any(outside(first) /= outside(last)) .or. hides_pair(first, last)
-   end function differ
 
    !> Number of multipliers outside the unit circle, of each kind.
    pure function outside(multipliers)
@@ -203,6 +135,7 @@ contains
    !> Whether a pair must have left the circle, or come back to it, and become real within a piece: of the real multipliers above 1
    !> only one passes +1 in a piece, at a fold, and is near +1 at this end.
    pure logical function hides_pair(first, last)
+      !> Multipliers at the ends of the piece, (state).
       complex(dp), intent(in) :: first(:), last(:)
 
       hides_pair = least_above(first) > most_above(last) .or. least_above(last) > most_above(first)

@@ -9,8 +9,9 @@ module geartrain_continuation_tracer
    use geartrain_continuation_crossings, only: add_branch_point, crossing_type, find_crossings
    use geartrain_continuation_growth_changes, only: add_growth_change
    use geartrain_continuation_hidden_changes, only: add_hidden_changes
+   use geartrain_continuation_probed_changes, only: add_stability_changes
    use geartrain_continuation_special_points, only: add_special_point, locate_fold
-   use geartrain_continuation_stability_changes, only: add_stability_changes, largest_multiplier
+   use geartrain_continuation_stability_changes, only: largest_multiplier
    use geartrain_continuation_step_extremes, only: quantities_type
    use geartrain_continuation_step_geometry, only: passes_half_period, sense_of, way_to
    use geartrain_continuation_step_length, only: carries_same, closes, crosses_branch, large, next_step
