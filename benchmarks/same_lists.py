@@ -102,18 +102,22 @@ def _plain(value: object) -> object:
 def pairs(old: list, new: list, name: str):
     """Pairs of items, and what is left of either list."""
     kinds, fields, key = LISTS[name]
-    left, rest, both = list(new), [], []
-    for item in old:
-        fits = [(max(float(np.max(np.abs(item[f] - other[f]) / (np.max(np.abs(item[f])) + 1e-300))) for f in fields), k)
-                for k, other in enumerate(left) if all(item.get(kind) == other.get(kind) for kind in kinds)]
-        best = min(fits, default=(np.inf, -1))
-        if best[0] < (SAME if name != "peaks" else 0.05):
-            other = left.pop(best[1])
-            compared = [key] if key == "frequency" else fields
-            size = max(float(np.max(np.abs(item[f] - other[f]) / np.max(np.abs(item[f])))) for f in compared)
-            both.append((size, item, other))
-        else:
-            rest.append(item)
+    fits = [(max(float(np.max(np.abs(item[f] - other[f]) / (np.max(np.abs(item[f])) + 1e-300))) for f in fields), i, k)
+            for i, item in enumerate(old) for k, other in enumerate(new)
+            if all(item.get(kind) == other.get(kind) for kind in kinds)]
+    compared = [key] if key == "frequency" else fields
+    both, taken = [], (set(), set())
+    # The nearest two first: of three points close together that one list lacks two of, the right one is paired.
+    for off, i, k in sorted(fits):
+        if off >= (SAME if name != "peaks" else 0.05):
+            break
+        if i in taken[0] or k in taken[1]:
+            continue
+        taken[0].add(i)
+        taken[1].add(k)
+        size = max(float(np.max(np.abs(old[i][f] - new[k][f]) / np.max(np.abs(old[i][f])))) for f in compared)
+        both.append((size, old[i], new[k]))
+    rest, left = ([item for i, item in enumerate(items) if i not in used] for items, used in zip((old, new), taken))
     return both, rest, left
 
 

@@ -105,7 +105,9 @@ contains
    !> Adds a place.
    pure subroutine insert(self, at, multipliers)
       class(places_type), intent(inout) :: self
+      !> Distance from the beginning of the step [1].
       real(dp), intent(in) :: at
+      !> Multipliers there, (state).
       complex(dp), intent(in) :: multipliers(:)
       integer :: n
 
