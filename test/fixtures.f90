@@ -208,7 +208,8 @@ contains
    end function ring
 
    !> One to three pairs: equal stages or not, orders 1, alike up to 80 or unlike up to 7, shafts with and without damping, torque
-   !> of either sign; a range below, at or above the first resonance; few harmonics.
+   !> of either sign; a range below, at or above the first resonance; few harmonics. Each statement draws one number: in which order
+   !> an expression calls functions, and whether it calls all of them, depends on the compiler's flags, and so would the train.
    subroutine random_train(seed, train, settings)
       integer, intent(in) :: seed
       type(train_type), intent(out) :: train
@@ -216,7 +217,7 @@ contains
       integer(int64) :: generator
       integer :: i, j, meshes, order, highest
       logical :: equal, damped
-      real(dp) :: start
+      real(dp) :: sense, start
 
       generator = 7919_int64*seed + 17
       do i = 1, 10
@@ -225,7 +226,8 @@ contains
       meshes = 1 + int(3*share())
       equal = share() < 0.3_dp
       damped = share() < 0.7_dp
-      train%input_torque = merge(1, -1, share() < 0.75_dp)*(50 + 250*share())
+      sense = share()
+      train%input_torque = merge(1, -1, sense < 0.75_dp)*(50 + 250*share())
       train%prime_mover_inertia = 0.001_dp*(0.2_dp + 3*share())
       train%load_inertia = 0.001_dp*(0.2_dp + 3*share())
       train%characteristic_length = 30e-6_dp
@@ -251,7 +253,9 @@ contains
             mesh%stiffness_sin = [0.1_dp*share()]
             mesh%error_cos = [5e-6_dp*share()]
             mesh%order = order
-            if (order == 1 .and. j > 1 .and. share() < 0.5_dp) mesh%order = 1 + int(7*share())
+            if (order == 1 .and. j > 1) then
+               if (share() < 0.5_dp) mesh%order = 1 + int(7*share())
+            end if
             highest = max(highest, mesh%order)
          end associate
          if (equal .and. j > 1) train%meshes(j) = train%meshes(1)
