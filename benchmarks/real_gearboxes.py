@@ -1,7 +1,7 @@
 """Real gearboxes: ``python benchmarks/real_gearboxes.py [OTHER]``, with OTHER the executable of another commit.
 
-Processor time of one core for whole runs of the executable, alternated with the other one, the least of three; a run is given up
-after ten minutes. The cases are those of ``test/python/gearboxes.py`` and ``namelists/reducer.nml``.
+Reports the processor time of whole runs of the executable on one core: the least of three runs, alternated with the other executable.
+A run stops after ten minutes. The trains are in ``test/python/gearboxes.py`` and ``namelists/reducer.nml``.
 """
 
 from __future__ import annotations

@@ -12,9 +12,9 @@ SLOW, FAST = 503, 811
 AT_THE_LAST_STEP = 2e-8
 
 
-def hunting_train(variation, damping, half_backlash=50e-6):
+def hunting_train(variation, damping, half_backlash=50e-6, orders=(SLOW, FAST), share=1 / 3):
     """Figure 3's train, whose meshes have other orders."""
-    of_meshes = ((0.0023, 0.037, 2.5e8, SLOW, variation), (0.0046, 0.074, 5e8, FAST, variation / 3))
+    of_meshes = ((0.0023, 0.037, 2.5e8, orders[0], variation), (0.0046, 0.074, 5e8, orders[1], share * variation))
     meshes = [gt.Mesh(driving_radius=0.05, driven_radius=0.10, driving_inertia=driving, driven_inertia=driven, stiffness=stiffness,
                       half_backlash=half_backlash, damping_ratio=damping, stiffness_cos=[amplitude], order=order)
               for driving, driven, stiffness, order, amplitude in of_meshes]
@@ -58,6 +58,28 @@ def test_teeth_that_separate(damping):
     # A rate counts as found where it has changed by less than a quarter; the changes fall from part to part.
     np.testing.assert_allclose(own.growth_rate, whole.growth_rate, rtol=1e-3)
     assert own.stable.all() and not own.undecided.any() and whole.stable.all()
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("variation", "start", "stop"), [(0.3, 1.6, 2.1), (0.5, 1.0, 1.3)])
+def test_slow_beats(variation, start, stop):
+    """Two meshes drift past one another in 703 cycles; the train is stable in one part of the beat and unstable in another."""
+    orders = (2807, 2811)
+    train = hunting_train(variation, 0.03, half_backlash=0.0, orders=orders, share=1)
+    own, whole = by_both(train, start * SLOW / orders[0], stop * SLOW / orders[0], 60)
+    np.testing.assert_array_equal(own.stable, whole.stable)
+    np.testing.assert_allclose(own.growth_rate, whole.growth_rate, rtol=5e-3)
+
+
+@pytest.mark.full
+def test_multipliers_beyond_all_numbers():
+    train = hunting_train(0.5, 0.03, half_backlash=0.0, orders=(2807, 2811), share=1)
+    own, whole = (train.response(start=1.6 / 2807, stop=2.1 / 2807, harmonics=0, tolerance=1e-2, max_points=60, multipliers=asked)
+                  for asked in (False, True))
+    beyond = ~np.isfinite(abs(whole.multipliers)).all(axis=1)
+    assert beyond.any()
+    np.testing.assert_allclose(whole.growth_rate[beyond], own.growth_rate[beyond], rtol=1e-6)
+    assert not (own.stable | own.undecided)[beyond].any()
 
 
 def test_loss_of_stability():

@@ -1,6 +1,7 @@
 !> Locates where the motions of a branch of long period become stable or unstable between two neighbouring points: where their
 !> growth rate passes 0. At a fold, which the balance locates more exactly, that is no further special point.
 module geartrain_continuation_growth_changes
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
@@ -58,6 +59,8 @@ contains
          call corrector%correct(solution, success)
          if (.not. success) exit
          call find_growth(monodromy, corrector%balance, corrector%balance%frequency_ratio, growth)
+         ! Interrupted: the step is repeated by the run that goes on.
+         if (ieee_is_nan(growth%rate)) return
          call shrink(a, b, fa, fb, s, growth%rate*corrector%balance%system%characteristic_frequency, kept)
          if (b - a < located*length .or. abs(growth%rate) < growth%error) exit
       end do

@@ -61,6 +61,7 @@ contains
       complex(dp) :: corrected(size(multipliers))
       real(dp) :: first(size(multipliers)), second(size(multipliers)), moved
       real(dp), allocatable :: shift(:, :)
+      type(growth_type) :: growth
       logical :: unsure(size(multipliers))
 
       assessment%stable = is_stable(multipliers)
@@ -71,6 +72,12 @@ contains
       assessment%undecided = is_neutral(multipliers) .or. estimate%doubtful .or. estimate%relative > largest_error .or. &
                           .not. monodromy%confirmed
       assessment%count_undecided = assessment%undecided
+      if (.not. (abs(multipliers(1)) <= huge(1.0_dp) .or. monodromy%is_partial())) then
+         ! Over a long period they leave the range of numbers; the rate does not.
+         call find_growth(monodromy, balance, frequency_ratio, growth)
+         assessment%growth_rate = growth%rate
+         return
+      end if
       if (assessment%undecided .or. .not. any(balance%contact%events > 0)) return
       shift = shifts(balance, u, estimate, 2*pi)
       first = abs(multipliers)

@@ -4,7 +4,8 @@
 !> Perturbations obey x' = A(theta_1, theta_2, ..) x with a phase for each mesh. After a time at which all meshes stand nearly where
 !> they stood, the matrix of the perturbations is nearly exp(B time) in the coordinates of Floquet: the logarithms of its
 !> eigenvalues over the time are the exponents, but for what the meshes lack of a whole number of cycles, over the time. The time is
-!> doubled until the largest exponent has changed by little beside its distance from 0; at the whole period it is exact.
+!> doubled until it has every beat of two harmonics of the excitation and the largest exponent has changed by little beside its
+!> distance from 0; at the whole period it is exact.
 module geartrain_floquet_growth
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_base_kinds, only: dp, pi
@@ -12,6 +13,7 @@ module geartrain_floquet_growth
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: neutral
    use geartrain_linalg_lapack, only: dgemm
+   use geartrain_model_excitation, only: excited_harmonics
    use geartrain_model_long_period, only: long_period
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -55,13 +57,15 @@ contains
       !> The rate.
       type(growth_type), intent(out) :: growth
       real(dp) :: product(monodromy%states, monodromy%states), before(monodromy%states, monodromy%states)
-      real(dp) :: cycle, period, time, rate, change(2)
+      real(dp) :: beat, change(2), cycle, log_scale, period, rate, scale, time
       integer :: n, cycles
       logical :: confirmed
 
       n = monodromy%states
       period = 2*pi*motion%eta/frequency_ratio/motion%repeats
       cycle = 2*pi/(frequency_ratio*highest_order(motion%system))
+      beat = 2*pi*motion%eta/(frequency_ratio*slowest_beat(motion%system))
+      log_scale = 0
       change = huge(change)
       confirmed = .true.
       cycles = first_cycles
@@ -75,13 +79,19 @@ contains
          else
             before = product
             call dgemm('N', 'N', n, n, n, 1.0_dp, before, n, monodromy%transposed, n, 0.0_dp, product, n)
-            monodromy%transposed = product
          end if
-         rate = growth_rate(monodromy, time)
+         ! No product of many parts leaves the range of numbers.
+         scale = maxval(abs(product))
+         if (scale > 0 .and. scale <= huge(scale)) then
+            product = product/scale
+            log_scale = log_scale + log(scale)
+         end if
+         monodromy%transposed = product
+         rate = (log_largest(monodromy) + log_scale)/time
          if (cycles > first_cycles) change = [abs(rate - growth%rate), change(1)/2]
          if (.not. time < period) change = 0
          growth = growth_type(rate=rate, error=maxval(change) + neutral/time, time=time)
-         growth%sure = confirmed .and. abs(rate) > surely*growth%error
+         growth%sure = confirmed .and. abs(rate) > surely*growth%error .and. .not. time < min(beat, period)
          if (growth%sure .or. ieee_is_nan(rate)) exit
          cycles = 2*cycles
       end do
@@ -101,18 +111,28 @@ contains
       real(dp), intent(in) :: shift(:, :)
 
       call monodromy%integrate_from(motion, frequency_ratio, 0.0_dp, growth%time, shift)
-      shifted_rate = growth_rate(monodromy, growth%time)
+      shifted_rate = log_largest(monodromy)/growth%time
    end function shifted_rate
 
-   !> Largest rate by the latest matrix [1/dimensionless time].
-   real(dp) function growth_rate(monodromy, time)
+   !> Logarithm of the largest eigenvalue of the latest matrix [1].
+   real(dp) function log_largest(monodromy)
       type(monodromy_type), intent(inout) :: monodromy
-      real(dp), intent(in) :: time
       complex(dp) :: multipliers(monodromy%given)
 
       call monodromy%multipliers(multipliers)
-      growth_rate = log(max(abs(multipliers(1)), tiny(time)))/time
-   end function growth_rate
+      log_largest = log(max(abs(multipliers(1)), tiny(log_largest)))
+   end function log_largest
+
+   !> Least distance of two harmonics of the excitation, or of one from 0 [1]: one mesh cycle of 503 and one of 504 in a turn drift
+   !> past one another once a turn, and stability with them.
+   pure integer function slowest_beat(system)
+      type(system_type), intent(in) :: system
+      integer, allocatable :: harmonic(:)
+
+      harmonic = excited_harmonics(system)
+      slowest_beat = 1
+      if (size(harmonic) > 0) slowest_beat = minval(harmonic - [0, harmonic(:size(harmonic) - 1)])
+   end function slowest_beat
 
    !> Frequency of the fastest mesh over Lambda [1].
    pure real(dp) function highest_order(system)
