@@ -1,6 +1,6 @@
 """Real gearboxes: ``python benchmarks/real_gearboxes.py [OTHER]``, with OTHER the executable of another commit.
 
-Reports the processor time of whole runs of the executable on one core: the least of three runs, alternated with the other executable.
+Reports the processor time of whole runs of the executable on one core: the least of three runs, alternated with the other one.
 A run stops after ten minutes. The trains are in ``test/python/gearboxes.py`` and ``namelists/reducer.nml``.
 """
 
