@@ -109,18 +109,18 @@ contains
       real(dp), allocatable :: phi(:, :)
       real(dp) :: spacing, stretch, begun, next_look, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
       integer :: i, j, q, stretches, contact(system%meshes)
-      logical :: keep_going
+      logical :: keep_going, open
 
       call flow%setup(system, 1, flow_order, flow_tolerance)
       flow%x(1, :) = state
       ! A period is flown over period of the fundamental by period of the fundamental, a window as a whole.
       stretch = 2*pi/frequency_ratio
       stretches = period
-      if (present(window)) then
-         if (window > 0) then
-            stretch = window*stretch
-            stretches = 1
-         end if
+      open = .false.
+      if (present(window)) open = window > 0
+      if (open) then
+         stretch = window*stretch
+         stretches = 1
       end if
       spacing = stretches*stretch/size(displacement, 1)
       next_look = 0
@@ -130,7 +130,7 @@ contains
          call flow%element_now(system%mesh_element(j), displacement(1, j), velocity(1, j))
       end do
       if (present(torque)) then
-         allocate (phi(size(displacement, 1), system%elements), source=0.0_dp)
+         allocate (phi(size(displacement, 1), system%elements))
          call linear_forces(flow, phi(1, :))
       end if
       spent = 0
@@ -171,6 +171,8 @@ contains
       if (present(stopped)) stopped = .not. keep_going
       if (present(share)) share = spent/(stretches*stretch)
       if (system%interrupt%raised() .or. .not. keep_going) then
+         ! Nobody looks at the samples of a window that ended early, and there are many.
+         if (open) return
          displacement = 0
          if (present(rate)) rate = 0
          if (present(force)) force = 0
@@ -180,10 +182,11 @@ contains
       if (present(rate)) rate = velocity
       if (.not. present(force)) return
       do j = 1, system%meshes
+         if (open .and. system%interrupt%raised()) return
          force(:, j) = [(system%law(j)%force(frequency_ratio*spacing*(q - 1), displacement(q, j), velocity(q, j)), q=1, &
                          size(force, 1))]
       end do
-      if (.not. present(torque)) return
+      if (.not. present(torque) .or. (open .and. system%interrupt%raised())) return
       phi(:, system%mesh_element) = force
       call add_torques(system, frequency_ratio*spacing, phi, torque)
 
@@ -282,7 +285,10 @@ contains
       motion%shaft_torque_mean = sum(torque, 1)/q
       motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0), j=1, size(torque, 2))]
       motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0), j=1, size(torque, 2))]
-      if (motion%window > 0) call find_uncertainty(system, p, force, torque, motion)
+      if (motion%window > 0) then
+         call find_uncertainty(system, p, force, torque, motion)
+         if (system%interrupt%raised()) return
+      end if
       call transform%plan(q)
       if (allocated(motion%coefficients)) deallocate (motion%coefficients)
       allocate (motion%coefficients(1 + 2*lines, system%meshes))
