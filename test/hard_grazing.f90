@@ -127,6 +127,7 @@ contains
       type(motion_type), allocatable :: motions(:)
       type(error_type), allocatable :: error
       real(dp) :: first, known, off(2)
+      real(dp), allocatable :: half(:)
       integer :: compared, i, j, k, wrong
 
       train = paper_train()
@@ -162,7 +163,12 @@ contains
          end associate
       end do
       call tests%holds('the folds of figure 3 at R = 6', 'undecided, all of them', wrong == 0)
-      call tests%holds('all of figure 3 at R = 6', 'at most one point in ten undecided', 10*count(branch%undecided) < branch%points)
+      ! Half of each step counts with the point at its end: points are closer together next to folds, where motions are undecided.
+      associate (s => branch%arclength, n => branch%points)
+         half = (s(2:n) - s(:n - 1))/2
+         call tests%holds('all of figure 3 at R = 6', 'at most a tenth of the branch undecided', &
+                          10*(sum(half, branch%undecided(2:n)) + sum(half, branch%undecided(:n - 1))) < s(n) - s(1))
+      end associate
       conservative = single_pair(0.0_dp, 0.3_dp, 1.0_dp)
       conservative%meshes%half_backlash = 0
       branch = solve(conservative, settings_of(1.2_dp, 1.3_dp, 6))

@@ -50,7 +50,8 @@ contains
       call tests%is_true(audit%ok .and. audit%points == 20 .and. audit%wrong_verdicts == 0, 'nothing is wrong with figure 3')
       call tests%is_true(audit%special_points == 6 .and. audit%confirmed == 6, 'its six folds are confirmed')
       call audit_text(audit, paper_train(), 'Lambda', table)
-      call tests%is_true(index(table, new_line('a')//'20 of 20 as estimated, 0 verdicts wrong; 6 of 6') > 0, 'the line')
+      ! One of the points is next to the narrow resonance at 0.5822, where the estimate is doubtful.
+      call tests%is_true(index(table, new_line('a')//'19 of 20 as estimated, 1 doubtful, 0 verdicts wrong; 6 of 6') > 0, 'the line')
       do threads = 1, 2
          call omp_set_num_threads(threads)
          call audit_branch(paper_train(), branch, 20, 0, other, error)

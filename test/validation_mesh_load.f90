@@ -67,11 +67,14 @@ contains
       integer, parameter :: samples = 4000
       real(dp), parameter :: pi = acos(-1.0_dp)
       type(branch_type) :: branch
+      type(response_settings_type) :: settings
       type(error_type), allocatable :: error
       real(dp) :: p(samples), theta(samples), curvature, off
       integer :: i, j, k
 
-      call response(paper_train(), settings_of(0.5_dp, 0.8_dp, 6), branch, error)
+      settings = settings_of(0.5_dp, 0.8_dp, 6)
+      settings%step = 0.03_dp
+      call response(paper_train(), settings, branch, error)
       theta = [(2*pi*k/samples, k=0, samples - 1)]
       off = 0
       do i = 1, branch%points

@@ -255,7 +255,7 @@ contains
 
       branch = over(tests, driven_pair(), 'stiffness_variation', 0.1_dp, 0.3_dp, 0.9_dp, 4)
       checked = 0
-      do i = 2, branch%points - 1, 3
+      do i = 2, branch%points - 1
          if (branch%estimate_doubtful(i) .or. branch%error_estimate(i) < 1e-9_dp) cycle
          motion = motion_of(branch, i)
          motion%frequency_ratio = branch%constant_frequency

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import described
+from ._curve import is_slope
 from ._extras import extra
 from ._motion_table import as_columns
 from ._orders import named_orders
@@ -45,7 +46,7 @@ def quantities() -> dict[str, dict[str, str]]:
     return {
         name: {"along": dimensions[1], "unit": unit, "about": words}
         for name, (dimensions, unit, words) in about.items()
-        if len(dimensions) == 2 and dimensions[1] in ("mesh", "shaft")
+        if len(dimensions) == 2 and dimensions[1] in ("mesh", "shaft") and not is_slope(name)
     }
 
 
@@ -197,6 +198,9 @@ def _points(arrays: Mapping[str, Any], block: Block, every: int) -> dict[str, An
         "stable": block.add(arrays.get("stable"), "u1"),
         "undecided": block.add(arrays.get("undecided"), "u1"),
         "segment": block.add(arrays.get("segment"), "i4"),
+        "along": block.add(arrays.get("arclength"), "f8"),
+        "acrossSlope": block.add(arrays.get("free_slope"), "f8"),
+        "rmsSlope": block.add(arrays.get("rms_slope"), "f8"),
         "facts": {name: block.add(arrays[name]) for name in _FACTS if arrays.get(name) is not None},
         "values": {name: block.add(arrays[name]) for name in quantities() if arrays.get(name) is not None},
         "coefficients": block.add(_seen(arrays["coefficients"][::every]), drawn=True),

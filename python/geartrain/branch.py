@@ -227,7 +227,7 @@ class Branch(Curves):
         >>> audit
         <Audit: 20 of 20 as estimated, 0 verdicts wrong; 10 of 10 special points confirmed>
         >>> audit.ok, float(audit.ratio[:20].max().round(1))
-        (True, 1.2)
+        (True, 1.1)
         """
         for name, value, least in (("points", points, 0), ("random_seed", random_seed, -(2**31) + 1)):
             if isinstance(value, bool) or not isinstance(value, Integral) or not least <= value < 2**31:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import described
+from ._curve import Between, is_slope
 from ._draw import MARKERS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, draws, line_style, new_axes, put_legend
 from ._units import Unit, Units, units_of
 from .description import Description, mesh_names
@@ -41,13 +42,15 @@ class Quantity:
     along: str
     unit: str
     names: Sequence[str]
+    fields: Sequence[str]
     values: Sequence[Array]
 
     @classmethod
     def of(cls, name: str, train: Description | None, path: str, get: Callable[[str], Array | None]) -> Quantity:
         """The quantity of a name; ``path`` is that of the result's group in a results file, ``get`` gives its fields."""
         about = described()[path].about
-        columns = {field: row[0][1] for field, row in about.items() if len(row[0]) == 2 and row[0][1] in {"mesh", "shaft"}}
+        columns = {field: row[0][1] for field, row in about.items()
+                   if len(row[0]) == 2 and row[0][1] in {"mesh", "shaft"} and not is_slope(field)}
         there = {field: values for field in columns if (values := get(field)) is not None}
         known = {**{field: (field,) for field in there}, **{short: of for short, of in _TOGETHER.items() if {*of} <= {*there}}}
         if not isinstance(name, str) or name not in known:
@@ -55,7 +58,7 @@ class Quantity:
         first = known[name][0]
         number = there[first].shape[1]
         names = mesh_names(train, number) if columns[first] == "mesh" or train is None else train.shaft_labels
-        return cls(name, columns[first], about[first][1], names, [there[field] for field in known[name]])
+        return cls(name, columns[first], about[first][1], names, known[name], [there[field] for field in known[name]])
 
     def label(self, units: Units) -> str:
         """Of its axis."""
@@ -135,6 +138,7 @@ class Curves(Readings):
         units = units_of(self.train, unit)
         factor = 1.0 if self.parameter_name else units.per_lambda
         curves = [Quantity.of(quantity, branch.train, "/response", partial(_field, branch)) for branch in (self, *self.branches)]
+        smooth = [Between(branch) for branch in (self, *self.branches)]
         columns = curves[0].chosen(mesh, shaft)
         own, ax = ax is None, new_axes(ax)
         style = line_style(style)
@@ -143,16 +147,16 @@ class Curves(Readings):
         for column in columns:
             thin: dict[str, Any] = {}
             mark = MARKERS[column % len(MARKERS)] if len(columns) > 1 and not {"linestyle", "marker"} & style.keys() else None
-            for branch, curve in zip((self, *self.branches), curves):
-                frequency = factor * branch._free
-                for values in curve.values:
+            for between, curve in zip(smooth, curves):
+                frequency = factor * between.frequency
+                drawn = [between.of(field, values)[:, column] for field, values in zip(curve.fields, curve.values)]
+                for values in drawn:
                     name = None if thin else label or curve.names[column]
-                    draw_curve(ax, frequency, values[:, column], branch.stable, branch.segment, name, mark, **{**thin, **style})
+                    draw_curve(ax, frequency, values, between.stable, between.segment, name, mark, **{**thin, **style})
                     # The same colour, whether it was given or the next of the cycle.
                     thin = {"color": ax.lines[-1].get_color()}
-                if len(curve.values) > 1:
-                    low, high = (values[:, column] for values in curve.values)
-                    draw_range(ax, frequency, low, high, branch.stable, branch.segment, thin["color"])
+                if len(drawn) > 1:
+                    draw_range(ax, frequency, drawn[0], drawn[1], between.stable, between.segment, thin["color"])
                 thin["linewidth"], mark = 0.8, None
             colors.append(thin["color"])
         keys = self._mark_unstable(style)

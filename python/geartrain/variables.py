@@ -106,7 +106,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "samples": Variable("samples", "integer", "int", 0, False, "Points a period for sampled coefficients; 0: chosen by the program; >= 1 and <= 1.048576e6, or 0"),
         "control": Variable("control", "text", "Literal['arclength', 'local']", "arclength", False, "pseudo-arclength, or the local switching of the control parameter of the paper, equation (11); 'arclength' or 'local'"),
         "tolerance": Variable("tolerance", "real", "float", 0.0001, False, "Relative error of the waveform aimed at where harmonics = 0; > 0 and <= 1"),
-        "step": Variable("step", "real", "float", 0.05, False, "Largest step along the branch, in Lambda and mesh displacement together, each over the power of ten nearest to the own scale of the train (see docs/numerics.md); > 0"),
+        "step": Variable("step", "real", "float", 0.2, False, "Largest step along the branch, in Lambda and mesh displacement together, each over the power of ten nearest to the own scale of the train (see docs/numerics.md); > 0"),
         "max_points": Variable("max_points", "integer", "int", 20000, False, "Points after which the branch is given up; >= 2 and <= 1.0e7"),
         "period_doublings": Variable("period_doublings", "integer", "int", 0, False, "How often a period doubling is followed: 1: the branches of twice the period, 2: those of four times as well, ...; >= 0 and <= 6"),
         "branch_points": Variable("branch_points", "logical", "bool", False, False, "The branches of the same period that cross at branch points are followed too: where a multiplier passes +1 without a fold, as where equal stages begin to move differently"),

@@ -126,6 +126,45 @@ function pieces(series) {
 const code = (series, point) => series.place * 1e7 + point;
 const decode = (file, number) => [files[file].series[Math.floor(number / 1e7)], number % 1e7];
 
+/** Places at which a step of a branch is drawn. */
+const PLACES = 8;
+
+/** A column of values with places between the points `from` to `to`, on cubics along the branch; each with the nearest point. */
+function between(series, values, width, column, from, to) {
+  const { along } = series,
+    at = (i) => values[i * width + column],
+    chosen = state.quantity === "rms" ? 1 : state.quantity === "true_ac_rms" ? Math.SQRT1_2 : 0,
+    known = chosen && series.rmsSlope ? (i) => chosen * series.rmsSlope[i * width + column] : null;
+  const found = [];
+  for (let i = from; i < to; i++) {
+    found.push({ point: i, across: series.across[i], value: at(i) });
+    const length = along && i + 1 < to ? along[i + 1] - along[i] : 0;
+    if (!(length > 0)) continue;
+    const ends = known ? [known(i), known(i + 1)] : [slopeAt(along, at, i, from, to), slopeAt(along, at, i + 1, from, to)];
+    for (let place = 1; place < PLACES; place++) {
+      const t = place / PLACES,
+        cubic = (a, b, slopeA, slopeB) =>
+          (1 - t) ** 2 * ((1 + 2 * t) * a + t * length * slopeA) + t ** 2 * ((3 - 2 * t) * b - (1 - t) * length * slopeB);
+      found.push({
+        point: i + Math.round(t),
+        across: cubic(series.across[i], series.across[i + 1], series.acrossSlope[i], series.acrossSlope[i + 1]),
+        value: cubic(at(i), at(i + 1), ...ends),
+      });
+    }
+  }
+  return found;
+}
+
+/** Derivative at a point of a cubic that rises and falls with the values (F. N. Fritsch, J. Butland, 1984), as in _curve.py. */
+function slopeAt(along, at, i, from, to) {
+  const chord = (k) => (at(k + 1) - at(k)) / (along[k + 1] - along[k]);
+  if (i === from || i === to - 1) return chord(i === from ? i : i - 1);
+  const [before, after] = [chord(i - 1), chord(i)],
+    [first, last] = [along[i] - along[i - 1], along[i + 1] - along[i]];
+  if (!(before * after > 0)) return 0;
+  return (3 * (first + last)) / ((first + 2 * last) / before + (2 * first + last) / after);
+}
+
 function curveTraces() {
   const traces = [];
   for (const number of files.length > 1 && isOn("compare") ? [1, 0] : [0]) {
@@ -148,10 +187,10 @@ function curveTraces() {
                 width = values.shape[1];
               for (const [from, to, verdict] of pieces(series)) {
                 if (verdict !== stable) continue;
-                for (let i = from; i < to; i++) {
-                  x.push(series.across[i] * acrossFactor(file));
-                  y.push(values[i * width + column]);
-                  own.push(code(series, i));
+                for (const { point, across, value } of between(series, values, width, column, from, to)) {
+                  x.push(across * acrossFactor(file));
+                  y.push(value);
+                  own.push(code(series, point));
                 }
                 x.push(null);
                 y.push(null);

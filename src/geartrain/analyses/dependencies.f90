@@ -224,11 +224,14 @@ contains
       integer :: i
 
       if (.not. (allocated(case%response) .and. allocated(results%response))) return
-      call locate_contact_edges(case%train, case%response, results%response, observer)
+      ! Those of a branch that was traced to its end are known, unless it was refined.
+      if (.not. allocated(results%response%contact_edges)) &
+         call locate_contact_edges(case%train, case%response, results%response, observer)
       if (.not. allocated(results%branches)) return
       do i = 1, size(results%branches)
          associate (branch => results%branches(i))
-            call locate_contact_edges(case%train, settings_for(case%response, branch%subharmonic), branch, observer)
+            if (.not. allocated(branch%contact_edges)) &
+               call locate_contact_edges(case%train, settings_for(case%response, branch%subharmonic), branch, observer)
          end associate
       end do
    end subroutine locate_edges

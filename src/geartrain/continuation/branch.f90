@@ -6,55 +6,14 @@ module geartrain_continuation_branch
    use geartrain_base_fields, only: arranging, fields_type, listing, reading, writing
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_settings, only: response_settings_type
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, &
       about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, &
       carry_torques, coefficient_axis, on_stability
-   use geartrain_model_frequency_unit, only: unit_length
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, gap_along, has_sets, &
       multipliers_at, response_settings_type, special_point_type, trace_state_type, visit_points, widen
-
-   !> The variables of &response; from and to are `start` and `stop`.
-   type :: response_settings_type
-      !> First and last end of the range, by default of Lambda.
-      real(dp) :: start = 0, stop = 0
-      !> Unit of frequencies: 'Lambda', 'rpm' or 'Hz'.
-      character(unit_length) :: unit = 'Lambda'
-      !> Name of a parameter of the train: the range is one of its values, at the constant `frequency`; blank: of frequencies.
-      character(80) :: parameter = ''
-      real(dp) :: frequency = 0
-      !> Harmonics of Lambda/subharmonic; 0 lets the program choose for `tolerance`.
-      integer :: harmonics = 6
-      !> Period of the motions in periods of the fundamental.
-      integer :: subharmonic = 1
-      !> How often the motions go through their waveform within the period, a divisor of `excitation_order` of the train; 0: as
-      !> often as a motion that is given, else as the excitation where subharmonic is 1, else once. No variable of &response.
-      integer :: repeats = 0
-      !> Whether the torque of every shaft is computed at each point.
-      logical :: shaft_torque = .true.
-      !> Whether stability is computed at each point; whether by multipliers even where the period is long.
-      logical :: stability = .true., multipliers = .false.
-      !> Largest rms over characteristic length; negative: 12 with backlash, none for a linear train.
-      real(dp) :: amplitude_limit = -1
-      !> 'exact' or 'sampled' (the paper's DFT, with `samples` points a period; 0: chosen).
-      character(16) :: coefficients = 'exact'
-      integer :: samples = 0
-      !> 'arclength' or 'local' (the paper's switching of the control parameter, equation (11)).
-      character(16) :: control = 'arclength'
-      !> Relative error of the waveform aimed at where harmonics = 0.
-      real(dp) :: tolerance = 1e-4_dp
-      !> Largest step along the branch [1], in Lambda and mesh displacement together.
-      real(dp) :: step = 0.05_dp
-      !> Points after which the trace ends.
-      integer :: max_points = 20000
-      !> Generations of period-doubled branches that are followed, see follow_bifurcations.
-      integer :: period_doublings = 0
-      !> Whether the branches that cross at branch points are followed, see follow_bifurcations.
-      logical :: branch_points = .false.
-      !> Whether shooting refines the points, see refine_branch.
-      logical :: refine = .false.
-   end type response_settings_type
 
    !> A fold or a bifurcation on the branch.
    type :: special_point_type
@@ -68,6 +27,8 @@ module geartrain_continuation_branch
       integer :: point = 0
       !> Root mean square displacement over characteristic length [1], (mesh).
       real(dp), allocatable :: rms(:)
+      !> Length of the branch up to it, of a change of stability [1]; huge where it is not known.
+      real(dp) :: arclength = huge(1.0_dp)
       !> Number of multipliers, or of pairs, that pass the unit circle there together: N - 1 where N equal branches begin to move
       !> differently.
       integer :: multiplicity = 1
@@ -108,8 +69,8 @@ module geartrain_continuation_branch
       integer :: missed = 0
       !> Direction of Lambda, +1 or -1, before the branch became vertical; 0: the branch is not vertical.
       integer :: sense = 0
-      !> Latest solution point; solution point with which the trace began.
-      type(solution_point_type) :: here, origin
+      !> Latest solution point; solution point before it; solution point with which the trace began.
+      type(solution_point_type) :: here, earlier, origin
       !> Beginning of the text that will say why the trace ended.
       character(:), allocatable :: before
    end type trace_state_type
@@ -126,6 +87,9 @@ module geartrain_continuation_branch
       integer, allocatable :: orders(:)
       !> (1 + 2*orders, mesh, point), mean, cos and sin of each order, see motion_type.
       real(dp), allocatable :: coefficients(:, :, :)
+      !> Length of the branch from where its trace began [1], in the metric of the branch (docs/numerics.md), (point); derivatives
+      !> of frequency_ratio, (point), and of the rms, (mesh, point), of the balance by this length.
+      real(dp), allocatable :: arclength(:), free_slope(:), rms_slope(:, :)
       !> (mesh, point), see motion_type.
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
       !> Mesh forces, (mesh, point).
@@ -349,6 +313,14 @@ contains
       if (fields%derives()) then
          if (allocated(branch%rms)) ac = branch%rms(:, :branch%points)/sqrt(2.0_dp)
          call carry(fields, row('true_ac_rms', 'point mesh', '1', about_true_ac_rms), ac)
+      end if
+      if (fields%has('arclength', allocated(branch%arclength))) then
+         call carry(fields, row('arclength', 'point', '1', 'length of the branch up to the point, in Lambda and mesh displacement &
+                                &together (see docs/numerics.md)', optional=none), branch%arclength)
+         call carry(fields, row('free_slope', 'point', '1', 'derivative of the frequency, or of the parameter, by the arclength', &
+                                optional=none), branch%free_slope)
+         call carry(fields, row('rms_slope', 'point mesh', '1', 'derivative of the rms by the arclength', optional=none), &
+                    branch%rms_slope)
       end if
       call carry(fields, row('mean', 'point mesh', '1', about_mean, optional=none), branch%mean)
       call carry(fields, row('minimum', 'point mesh', '1', about_minimum, optional=none), branch%minimum)

@@ -2,8 +2,9 @@
 module geartrain_continuation_contact_ranges
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, gap_along
+   use geartrain_continuation_curve, only: way_between
    use geartrain_continuation_decided, only: joined
-   use geartrain_continuation_summary, only: band_type, change, way_between
+   use geartrain_continuation_summary, only: band_type, change
    implicit none (type, external)
    private
    public :: separation_ranges, back_collision_ranges, depth_below

@@ -158,7 +158,7 @@ contains
    end subroutine orient
 
    !> One step along the branch: predictor and corrector.
-   subroutine advance(self, from, h, to, success)
+   subroutine advance(self, from, h, to, success, guess)
       class(corrector_type), intent(inout) :: self
       !> A solution with tangent.
       type(solution_point_type), intent(in) :: from
@@ -168,11 +168,18 @@ contains
       type(solution_point_type), intent(inout) :: to
       !> Newton's method has converged, with no step longer than h.
       logical, intent(out) :: success
+      !> Guess of the solution, at the distance h from `from` along the tangent there; absent: on the tangent.
+      type(solution_point_type), intent(in), optional :: guess
       real(dp) :: row(self%balance%block, self%balance%unknowns), row_frequency
       integer :: largest(2)
 
-      to%u = from%u + h*from%tangent
-      to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
+      if (present(guess)) then
+         to%u = guess%u
+         to%frequency_ratio = guess%frequency_ratio
+      else
+         to%u = from%u + h*from%tangent
+         to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
+      end if
       if (self%local_control) then
          row = 0
          row_frequency = 0

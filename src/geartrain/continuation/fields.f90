@@ -141,6 +141,7 @@ contains
          if (trace%steps == 0) return
          call fields%check(trace%step > 0, 'step')
          call visit_solution(trace%here, home//'/here', trace%harmonics, branch, fields)
+         call visit_solution(trace%earlier, home//'/earlier', branch%harmonics, branch, fields)
          call visit_solution(trace%origin, home//'/origin', trace%harmonics, branch, fields)
       end associate
    end subroutine visit_trace

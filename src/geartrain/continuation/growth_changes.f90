@@ -6,7 +6,8 @@ module geartrain_continuation_growth_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_special_points, only: add_special_point, go_along, rms_of
+   use geartrain_continuation_special_points, only: add_special_point, rms_of
+   use geartrain_continuation_step_geometry, only: arc_length, go_along
    use geartrain_floquet_growth, only: find_growth, growth_type
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_linalg_bracket, only: between, shrink
@@ -21,22 +22,20 @@ module geartrain_continuation_growth_changes
 contains
 
    !> Lists the change of stability between two neighbouring points of a branch, if any, as a special point.
-   subroutine add_growth_change(corrector, monodromy, here, next, length, before, after, branch)
+   subroutine add_growth_change(corrector, monodromy, here, next, before, after, branch)
       !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Work space, set up for the system.
       type(monodromy_type), intent(inout) :: monodromy
       !> The two points with their tangents.
       type(solution_point_type), intent(in) :: here, next
-      !> Distance of the two points, in the metric of the branch [1].
-      real(dp), intent(in) :: length
       !> Numbers of the two points; the special point is listed after point `after` - 1.
       integer, intent(in) :: before, after
       !> Branch with the growth rates of both points; its `special_points` may grow.
       type(branch_type), intent(inout), target :: branch
       type(solution_point_type) :: solution
       type(growth_type) :: growth
-      real(dp) :: a, b, fa, fb, s
+      real(dp) :: length, a, b, fa, fb, s
       integer(int64) :: began, now, rate
       integer :: i, kept
       logical :: success
@@ -44,6 +43,7 @@ contains
       if (branch%stable(before) .eqv. branch%stable(after)) return
       if (any(branch%special_points%kind == 'fold' .and. &
               branch%special_points%point >= before .and. branch%special_points%point <= after)) return
+      length = arc_length(here, next, corrector%units)
       a = 0
       b = length
       fa = branch%growth_rate(before)
@@ -55,7 +55,7 @@ contains
       do i = 1, most_steps
          s = between(a, b, fa, fb)
          solution = here
-         call go_along(here, next, length, s, solution)
+         call go_along(here, next, s/length, corrector%units, solution)
          call corrector%correct(solution, success)
          if (.not. success) exit
          call find_growth(monodromy, corrector%balance, corrector%balance%frequency_ratio, growth)
@@ -64,7 +64,8 @@ contains
          call shrink(a, b, fa, fb, s, growth%rate*corrector%balance%system%characteristic_frequency, kept)
          if (b - a < located*length .or. abs(growth%rate) < growth%error) exit
       end do
-      call add_special_point(branch, 'stability change', solution%frequency_ratio, after - 1, rms_of(corrector, solution))
+      call add_special_point(branch, 'stability change', solution%frequency_ratio, after - 1, rms_of(corrector, solution), &
+                             arclength=branch%arclength(before) + s)
       call system_clock(now)
       branch%verdict_seconds = branch%verdict_seconds + real(now - began, dp)/real(rate, dp)
    end subroutine add_growth_change

@@ -5,86 +5,64 @@
 !> two points and at the points before and after them. Parabolas through three of the four points estimate how near to the circle it
 !> comes within the step. Where the circle is within reach of the estimate and its uncertainty, the multipliers are computed at the
 !> place of the estimate, a few times at most. The uncertainty is a share of what the function varies by at the four points.
-!>
-!> Where the multipliers have crossed, the branch gets a point between the two changes: else no point would show what is stable
-!> there, or unstable.
 module geartrain_continuation_hidden_changes
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, multipliers_at, special_point_type
-   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_circle_samples, only: distance_of, far, most_places, none, samples_type
+   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_linearized_motion, only: solution_on
-   use geartrain_continuation_points, only: motion_of, put_latest_after
-   use geartrain_continuation_recording_corrector, only: recording_corrector_type
+   use geartrain_continuation_points, only: motion_of
    use geartrain_continuation_stability_changes, only: doubling, find_multipliers, largest_multiplier, neimark_sacker, outside, &
       piece_type, separate
+   use geartrain_continuation_step_geometry, only: arc_length
+   use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: are_numbers
    implicit none (type, external)
    private
    public :: add_hidden_changes
 
-   !> Distance from the circle of a multiplier at both ends of a step beyond which it does not cross within the step.
-   real(dp), parameter :: far = 0.3_dp
    !> Uncertainty of the estimate, as a share of the variation of the function at the four points.
    real(dp), parameter :: uncertain = 0.25_dp
-   !> Most multipliers that are computed within a step for each kind and sense; places at which a parabola is looked at.
-   integer, parameter :: most_places = 4, places = 16
-   !> Least distance of a place from the ends, as a share of the interval.
-   real(dp), parameter :: off_ends = 0.1_dp
-   !> Value of the function where there is no multiplier of the kind.
-   real(dp), parameter :: none = -huge(1.0_dp)
-
-   !> The function at points of the branch along the step.
-   type :: samples_type
-      integer :: taken = 0
-      !> Distance from the beginning of the step; value, ascending by distance.
-      real(dp) :: at(4 + most_places) = 0, f(4 + most_places) = 0
-   contains
-      procedure :: insert
-      procedure :: highest
-   end type samples_type
 
 contains
 
-   !> Lists the pairs of changes of stability in some steps of a branch, and adds a point between the two changes of a pair. An
-   !> interrupt drops those of the step under way: the run that goes on finds them.
-   subroutine add_hidden_changes(tracer, first, last, branch, kept, before)
-      !> Set up for the branch.
-      class(recording_corrector_type), intent(inout) :: tracer
+   !> Lists the pairs of changes of stability in some steps of a branch. An interrupt drops them: the run that goes on finds them.
+   subroutine add_hidden_changes(corrector, monodromy, first, last, branch, kept)
+      !> Corrector of the branch.
+      type(corrector_type), intent(inout) :: corrector
+      !> Monodromy matrix set up for the system; work space.
+      type(monodromy_type), intent(inout) :: monodromy
       !> Numbers of the points before the first and the last step.
       integer, intent(in) :: first, last
-      !> Branch with multipliers; its points and `special_points` grow.
+      !> Branch with multipliers; its `special_points` grow.
       type(branch_type), intent(inout), target :: branch
-      !> Numbers of points and of special points that an interrupt of the next steps leaves; they grow with what is added to these.
-      integer, intent(inout) :: kept(2)
-      !> Number of a point, which grows where a point is added before it.
-      integer, intent(inout) :: before
-      integer :: i, listed, points, to
+      !> Number of special points that an interrupt of the next steps leaves; grows likewise.
+      integer, intent(inout) :: kept
+      type(special_point_type), allocatable :: listed(:)
+      integer :: i
 
-      i = max(1, first)
-      to = min(last, branch%points - 1)
-      do while (i <= to)
-         points = branch%points
-         listed = size(branch%special_points)
-         call add_in_step(tracer, i, branch)
-         points = branch%points - points
-         if (i < kept(1)) kept = kept + [points, size(branch%special_points) - listed]
-         if (i < before) before = before + points
-         to = to + points
-         i = i + points + 1
+      listed = branch%special_points
+      do i = max(1, first), min(last, branch%points - 1)
+         call add_in_step(corrector, monodromy, i, branch)
       end do
+      if (corrector%balance%system%interrupt%raised()) branch%special_points = listed
+      kept = kept + size(branch%special_points) - size(listed)
    end subroutine add_hidden_changes
 
    !> Lists the pairs of changes of stability between point i and point i + 1 of a branch.
-   subroutine add_in_step(tracer, i, branch)
-      !> Set up for the branch.
-      class(recording_corrector_type), intent(inout) :: tracer
+   subroutine add_in_step(corrector, monodromy, i, branch)
+      !> Corrector of the branch.
+      type(corrector_type), intent(inout) :: corrector
+      !> Monodromy matrix set up for the system; work space.
+      type(monodromy_type), intent(inout) :: monodromy
       !> Number of the point before the step.
       integer, intent(in) :: i
-      !> Branch with multipliers; its points and `special_points` grow.
+      !> Branch with multipliers; its `special_points` grow.
       type(branch_type), intent(inout), target :: branch
       complex(dp) :: multipliers(branch%states, -1:2)
       real(dp) :: f(-1:2)
       logical :: known(-1:2), found
+      real(dp) :: apart(-1:1)
       integer :: counted(3), changed(3), k, kind, number, sense
       type(samples_type) :: samples
       type(piece_type) :: piece
@@ -105,6 +83,7 @@ contains
       ! The step was looked at before, as where a run was interrupted.
       if (any(branch%special_points%point == i .and. (branch%special_points%kind == 'period doubling' .or. &
                                                       branch%special_points%kind == 'neimark-sacker'))) return
+      call prepare_piece()
       do kind = doubling, neimark_sacker
          ! Next to a fold a multiplier passes 1, which is no change of these kinds.
          if (changed(kind) /= 0) cycle
@@ -119,7 +98,7 @@ contains
             end do
             if (any(f(0:1) <= none) .or. all(f(0:1) < -far) .or. any(f(0:1) >= 0)) cycle
             call begin_samples()
-            if (.not. is_within_reach(samples)) cycle
+            if (.not. samples%reach_circle(apart(0), uncertain)) cycle
             call look(found)
             if (found) return
          end do
@@ -127,42 +106,33 @@ contains
 
    contains
 
-      subroutine begin_samples()
+      !> Finds the ends of the step and the distances of the points.
+      subroutine prepare_piece()
          type(solution_point_type) :: points(-1:2)
-         real(dp) :: apart(-1:1)
          integer :: j
 
          do j = -1, 2
-            if (known(j)) points(j) = solution_on(tracer%corrector%balance, motion_of(branch, i + j))
+            if (known(j)) points(j) = solution_on(corrector%balance, motion_of(branch, i + j))
          end do
          apart = 0
          do j = -1, 1
-            if (known(j) .and. known(j + 1)) apart(j) = tracer%corrector%length_of(points(j + 1)%u - points(j)%u, &
+            if (known(j) .and. known(j + 1)) apart(j) = corrector%length_of(points(j + 1)%u - points(j)%u, &
                points(j + 1)%frequency_ratio - points(j)%frequency_ratio)
          end do
+         piece%length = apart(0)
+         piece%start = branch%arclength(i)
+         piece%here = points(0)
+         piece%next = points(1)
+         if (allocated(chord%tangent)) deallocate (chord%tangent)
+      end subroutine prepare_piece
+
+      subroutine begin_samples()
          samples%taken = 0
          if (f(-1) > none) call samples%insert(-apart(-1), f(-1))
          call samples%insert(0.0_dp, f(0))
          call samples%insert(apart(0), f(1))
          if (f(2) > none) call samples%insert(apart(0) + apart(1), f(2))
-         piece%length = apart(0)
-         piece%here = points(0)
-         piece%next = points(1)
-         if (allocated(chord%tangent)) deallocate (chord%tangent)
       end subroutine begin_samples
-
-      !> Whether the circle may be reached within the step.
-      logical function is_within_reach(samples) result(may)
-         type(samples_type), intent(in) :: samples
-         real(dp) :: s, peak
-
-         may = samples%taken > 2 .and. piece%length > 0
-         if (.not. may) return
-         call samples%highest(piece%length, s, peak)
-         associate (values => samples%f(:samples%taken))
-            may = peak + uncertain*(maxval(values) - minval(values)) > 0
-         end associate
-      end function is_within_reach
 
       !> Computes multipliers where the function may be highest.
       subroutine look(found)
@@ -174,74 +144,36 @@ contains
          logical :: success
 
          found = .false.
-         call orient(piece%here)
-         call orient(piece%next)
+         call orient_ends()
+         samples%at = samples%at*(piece%length/apart(0))
          do n = 1, most_places
             call samples%highest(piece%length, s, peak)
-            call find_multipliers(tracer%corrector, tracer%recorder%monodromy, piece, 0.0_dp, piece%length, s, solution, between, &
-                                  success)
+            call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, s, solution, between, success)
             if (.not. success) return
             if (.not. are_numbers(between)) return
             counts = outside(between)
             found = counts(kind) /= counted(kind)
             if (found) then
-               call add_pair(s, solution, between)
+               call separate(corrector, monodromy, piece, 0.0_dp, s, multipliers(:, 0), between, i + 1, branch)
+               call separate(corrector, monodromy, piece, s, piece%length, between, multipliers(:, 1), i + 1, branch)
                return
             end if
             value = sense*distance_of(between, kind, number)
             if (abs(value) >= -none) return
             call samples%insert(s, value)
-            if (.not. is_within_reach(samples)) return
+            if (.not. samples%reach_circle(piece%length, uncertain)) return
          end do
       end subroutine look
 
-      !> Lists the changes on both sides of a place in the step, and makes the place a point of the branch.
-      subroutine add_pair(s, solution, between)
-         real(dp), intent(in) :: s
-         type(solution_point_type), intent(inout) :: solution
-         complex(dp), intent(in) :: between(:)
-         real(dp) :: curvature
-         integer :: k, listed, missed, points
-         logical :: success
-
-         points = branch%points
-         listed = size(branch%special_points)
-         missed = tracer%missed
-         call separate(tracer%corrector, tracer%recorder%monodromy, piece, 0.0_dp, s, multipliers(:, 0), between, i + 1, branch)
-         call separate(tracer%corrector, tracer%recorder%monodromy, piece, s, piece%length, between, multipliers(:, 1), i + 2, &
-                       branch)
-         call tracer%corrector%correct(solution, success)
-         if (success) then
-            curvature = tracer%curvature
-            tracer%curvature = (piece%next%tangent_frequency - piece%here%tangent_frequency)/piece%length
-            call tracer%record(solution, branch)
-            tracer%curvature = curvature
-         end if
-         if (tracer%system%interrupt%raised()) then
-            branch%points = points
-            branch%special_points = branch%special_points(:listed)
-            tracer%missed = missed
-         else if (.not. success) then
-            branch%special_points(listed + 1:)%point = i
-         else
-            branch%segment(branch%points) = branch%segment(i)
-            call put_latest_after(branch, i)
-            do k = 1, listed
-               associate (special => branch%special_points(k))
-                  if (special%point > i .or. is_beyond(special)) special%point = special%point + 1
-               end associate
-            end do
-         end if
-      end subroutine add_pair
-
-      !> Whether a special point of the step lies beyond the new point.
-      logical function is_beyond(special)
-         type(special_point_type), intent(in) :: special
-
-         is_beyond = special%point == i .and. special%kind /= 'fold'
-         if (is_beyond) is_beyond = (special%frequency_ratio - branch%frequency_ratio(i + 1)) &
-                                    *(branch%frequency_ratio(i + 2) - branch%frequency_ratio(i + 1)) > 0
-      end function is_beyond
+      !> Finds the tangents at the ends of the step and its length along the branch.
+      subroutine orient_ends()
+         if (allocated(chord%tangent)) return
+         chord%tangent = (piece%next%u - piece%here%u)/piece%length
+         chord%tangent_frequency = (piece%next%frequency_ratio - piece%here%frequency_ratio)/piece%length
+         call orient(piece%here)
+         call orient(piece%next)
+         piece%length = arc_length(piece%here, piece%next, corrector%units)
+      end subroutine orient_ends
 
       !> Solves an end of the step, for its tangent along the step. Where Newton's method fails the tangent is the chord.
       subroutine orient(point)
@@ -249,95 +181,13 @@ contains
          type(solution_point_type) :: solved
          logical :: success
 
-         if (.not. allocated(chord%tangent)) then
-            chord%tangent = (piece%next%u - piece%here%u)/piece%length
-            chord%tangent_frequency = (piece%next%frequency_ratio - piece%here%frequency_ratio)/piece%length
-         end if
          point%tangent = chord%tangent
          point%tangent_frequency = chord%tangent_frequency
          solved = point
-         call tracer%corrector%correct(solved, success)
+         call corrector%correct(solved, success)
          if (success) point = solved
       end subroutine orient
 
    end subroutine add_in_step
-
-   !> Adds a sample.
-   pure subroutine insert(self, at, f)
-      class(samples_type), intent(inout) :: self
-      !> Distance from the beginning of the step [1].
-      real(dp), intent(in) :: at
-      !> Value.
-      real(dp), intent(in) :: f
-      integer :: n
-
-      n = count(self%at(:self%taken) < at)
-      self%at(n + 2:self%taken + 1) = self%at(n + 1:self%taken)
-      self%f(n + 2:self%taken + 1) = self%f(n + 1:self%taken)
-      self%at(n + 1) = at
-      self%f(n + 1) = f
-      self%taken = self%taken + 1
-   end subroutine insert
-
-   !> The place in the step at which the parabolas through three samples in a row are highest.
-   pure subroutine highest(self, length, s, peak)
-      class(samples_type), intent(in) :: self
-      !> Length of the step [1].
-      real(dp), intent(in) :: length
-      !> Distance of the place from the beginning of the step [1]; value there.
-      real(dp), intent(out) :: s, peak
-      real(dp) :: x, value
-      integer :: j, k, n
-
-      peak = none
-      s = length/2
-      do j = 1, self%taken - 1
-         associate (a => self%at(j), b => self%at(j + 1))
-            if (a < 0 .or. b > length .or. .not. b > a) cycle
-            do n = 1, places - 1
-               x = a + (b - a)*(off_ends + (1 - 2*off_ends)*n/places)
-               do k = max(1, j - 1), min(j, self%taken - 2)
-                  value = parabola(self%at(k:k + 2), self%f(k:k + 2), x)
-                  if (value <= peak) cycle
-                  peak = value
-                  s = x
-               end do
-            end do
-         end associate
-      end do
-   end subroutine highest
-
-   !> The parabola through three points.
-   pure real(dp) function parabola(at, f, x)
-      real(dp), intent(in) :: at(3), f(3), x
-      real(dp) :: first, second
-
-      first = (f(2) - f(1))/(at(2) - at(1))
-      second = ((f(3) - f(2))/(at(3) - at(2)) - first)/(at(3) - at(1))
-      parabola = f(1) + (x - at(1))*(first + (x - at(2))*second)
-   end function parabola
-
-   !> How far a multiplier is outside the circle, negative inside; the farthest one has number 1; -none: there is none. Where a real
-   !> one below -1 crosses a pair counts as well, with its distance from -1: it may become real between two points.
-   pure real(dp) function distance_of(multipliers, kind, number) result(distance)
-      complex(dp), intent(in) :: multipliers(:)
-      integer, intent(in) :: kind, number
-      real(dp) :: value(size(multipliers))
-      integer :: i, n
-
-      associate (mu => multipliers)
-         if (kind == doubling) then
-            value = merge(-1 - mu%re, -abs(1 + mu), abs(mu%im) <= 0)
-            n = number
-         else
-            value = merge(none, abs(mu) - 1, abs(mu%im) <= 0)
-            n = 2*number - 1
-         end if
-      end associate
-      do i = 1, n - 1
-         value(maxloc(value, 1)) = none
-      end do
-      distance = maxval(value)
-   end function distance_of
 
 end module geartrain_continuation_hidden_changes

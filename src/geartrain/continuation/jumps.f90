@@ -2,6 +2,7 @@
 module geartrain_continuation_jumps
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, special_point_type
+   use geartrain_continuation_curve, only: rms_at
    use geartrain_continuation_decided, only: is_undecided, joined, nearest_decided, reach
    use geartrain_continuation_summary, only: change
    implicit none (type, external)
@@ -20,6 +21,8 @@ module geartrain_continuation_jumps
       character(16) :: cause = ''
       !> rms before and after the jump over characteristic length [1], (mesh); `after` is negative for 'leaves'.
       real(dp), allocatable :: before(:), after(:)
+      !> Number of the point of the branch before the motion after the jump; 0: there is none.
+      integer :: point = 0
       !> Number of other stable motions of the branch at this Lambda: if more than 1, `after` is a guess.
       integer :: candidates = 0
       !> The jump rests on undecided points: the nearest decided points are not stable on one side and unstable on the other, or
@@ -54,7 +57,7 @@ contains
             jump%cause = special%kind
             jump%rising = branch%frequency_ratio(i) < special%frequency_ratio
             jump%before = special%rms
-            call find_destination(branch, s, jump%after, jump%candidates, jump%undecided)
+            call find_destination(branch, s, jump%after, jump%point, jump%candidates, jump%undecided)
             if (.not. is_decided(branch, s, side)) jump%undecided = .true.
             jump%kind = 'leaves'
             if (all(jump%after >= 0)) jump%kind = merge('jump up  ', 'jump down', norm2(jump%after) > norm2(jump%before))
@@ -117,19 +120,20 @@ contains
    end function another_between
 
    !> Other stable motions at the Lambda of special point s.
-   pure subroutine find_destination(branch, s, nearest, candidates, undecided)
+   pure subroutine find_destination(branch, s, nearest, point, candidates, undecided)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s
       !> rms of the motion nearest in rms, (mesh); -1: none.
       real(dp), allocatable, intent(out) :: nearest(:)
-      !> Number of motions.
-      integer, intent(out) :: candidates
+      !> Number of the point before it, 0: none; number of motions.
+      integer, intent(out) :: point, candidates
       !> Stability of the nearest motion is undecided, or which motions there are is.
       logical, intent(out) :: undecided
-      real(dp) :: rms(branch%meshes), share
+      real(dp) :: rms(branch%meshes)
       integer :: i, own(2)
 
       candidates = 0
+      point = 0
       undecided = .false.
       allocate (nearest(branch%meshes), source=-1.0_dp)
       if (branch%special_points(s)%kind /= 'fold') return
@@ -139,17 +143,19 @@ contains
             if (i >= own(1) .and. i < own(2) .or. .not. joined(branch, i)) cycle
             associate (a => branch%frequency_ratio(i), b => branch%frequency_ratio(i + 1))
                if ((a - f)*(b - f) > 0 .or. abs(b - a) <= 0) cycle
+               ! A point at this Lambda counts once.
+               if (abs(b - f) <= 0 .and. .not. ends_at(branch, i + 1)) cycle
                if (.not. any(branch%stable(i:i + 1))) cycle
                if (turns_at(branch, i, f)) cycle
                if (.not. branch%stable(i) .and. abs(f - a) < abs(change(branch, i) - a)) cycle
                if (.not. branch%stable(i + 1) .and. abs(f - a) > abs(change(branch, i) - a)) cycle
-               share = (f - a)/(b - a)
             end associate
-            rms = (1 - share)*branch%rms(:, i) + share*branch%rms(:, i + 1)
+            rms = rms_at(branch, i, f)
             candidates = candidates + 1
             if (all(nearest >= 0) .and. norm2(rms - branch%special_points(s)%rms) &
                 >= norm2(nearest - branch%special_points(s)%rms)) cycle
             nearest = rms
+            point = i
             undecided = is_undecided(branch, i) .and. is_undecided(branch, i + 1)
          end do
       end associate
@@ -157,6 +163,15 @@ contains
          if (i /= s .and. .not. undecided) undecided = ends_near(branch, s, i)
       end do
    end subroutine find_destination
+
+   !> Whether a segment of the branch ends at point i.
+   pure logical function ends_at(branch, i)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+
+      ends_at = i == branch%points
+      if (.not. ends_at) ends_at = .not. joined(branch, i)
+   end function ends_at
 
    !> First and last of the points next to fold s whose chords pass its Lambda: the exact fold lies off the point where the balance
    !> turns, and the points between the two are beyond the exact fold.

@@ -8,7 +8,7 @@ module geartrain_continuation_points
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: drop_first, is_same_point, motion_of, put_in_front, put_latest_after, repeats_of
+   public :: drop_first, is_same_point, motion_of, put_in_front, repeats_of
 
 contains
 
@@ -50,6 +50,12 @@ contains
 
       n = branch%points
       order = [(i, i=n, forward + 1, -1), (i, i=1, forward)]
+      ! Reversed points are a length behind the first point.
+      associate (behind => [(i, i=forward + 1, n)])
+         branch%arclength(behind) = -branch%arclength(behind)
+         branch%free_slope(behind) = -branch%free_slope(behind)
+         branch%rms_slope(:, behind) = -branch%rms_slope(:, behind)
+      end associate
       call take_points(branch, order)
       position(order) = [(i, i=1, n)]
       ! Segments are numbered anew. The two segments that meet at the first point become one segment.
@@ -61,6 +67,7 @@ contains
       ! A special point between the first points of the two ways has point number `forward` before it in the list.
       backward = branch%special_points%point > forward .or. &
                  branch%special_points%point == forward .and. branch%special_points%kind /= 'fold'
+      where (backward) branch%special_points%arclength = -branch%special_points%arclength
       do i = 1, size(branch%special_points)
          associate (special => branch%special_points(i))
             ! In the reversed order the next point becomes the point before a special point; a fold is a point of the branch itself.
@@ -91,19 +98,6 @@ contains
       branch%special_points = pack(branch%special_points, branch%special_points%point > points)
       branch%special_points%point = branch%special_points%point - points
    end subroutine drop_first
-
-   !> Puts the latest point after point i. Special points keep their numbers.
-   subroutine put_latest_after(branch, i)
-      !> A branch.
-      type(branch_type), intent(inout), target :: branch
-      !> Number of the point, before the latest one.
-      integer, intent(in) :: i
-      integer :: k
-
-      associate (n => branch%points)
-         call take_points(branch, [(k, k=1, i), n, (k, k=i + 1, n - 1)])
-      end associate
-   end subroutine put_latest_after
 
    !> Whether two points have bitwise equal Lambda and equal motions. Motions of different numbers of harmonics may differ by three
    !> times their error estimates.

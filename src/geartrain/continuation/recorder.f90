@@ -27,7 +27,7 @@ module geartrain_continuation_recorder
       type(monodromy_type) :: monodromy
       !> Multipliers of the latest point over one repetition of its waveform, (branch%states).
       complex(dp), allocatable :: multipliers(:)
-      type(transform_type), private :: transform
+      type(transform_type) :: transform
       type(force_reader_type), private :: reader
    contains
       procedure :: setup
@@ -70,7 +70,7 @@ contains
       branch%harmonics = balance%highest
       branch%orders = [(k, k=1, balance%highest)]
       if (balance%chosen) branch%orders = [integer ::]
-      allocate (branch%special_points(0))
+      allocate (branch%special_points(0), branch%arclength(0), branch%free_slope(0), branch%rms_slope(0, 0))
       if (stability) then
          self%to_their_digits = .false.
          if (present(multipliers)) self%to_their_digits = multipliers

@@ -55,6 +55,8 @@ contains
          end associate
       end if
       if (allocated(error)) return
+      ! The edges are those of the points as they were.
+      if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
       call build_system(train, system)
       repeats = repeats_of(branch, system)
       side = sides_of(branch)

@@ -10,11 +10,13 @@ module geartrain_continuation_response
    use geartrain_base_observer, only: observer_type
    use geartrain_continuation_both_ways, only: trace_both_ways
    use geartrain_continuation_branch, only: branch_type, coefficients_of, response_settings_type
+   use geartrain_continuation_contact_edges, only: locate_contact_edges
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_first_motion, only: find_start
    use geartrain_continuation_interruption, only: drop_step
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
    use geartrain_continuation_points, only: drop_first, is_same_point
+   use geartrain_continuation_special_spacing, only: add_points_between
    use geartrain_continuation_start, only: begin_trace, motion_at, solution_of
    use geartrain_continuation_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_continuation_variables, only: check_response
@@ -88,8 +90,10 @@ contains
          call trace_from_both_ends(train, tracer, tracer%settings%start, tracer%settings%stop, branch, observer)
          deallocate (branch%trace)
       end if
+      call add_points_between(tracer, branch)
       call tracer%tell_missed(branch)
       call tracer%recorder%finish(branch)
+      if (.not. branch%cancelled) call locate_contact_edges(train, settings, branch)
    end subroutine response
 
    !> Traces from `start` towards `stop`, unless branch%trace tells that this is done, then from `stop` towards `start`.

@@ -4,8 +4,8 @@ module geartrain_continuation_singular_search
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_same_solution, only: same_solution
    use geartrain_continuation_singular, only: singular_type
-   use geartrain_continuation_special_points, only: go_along, rms_of
-   use geartrain_continuation_step_geometry, only: cosine, odd_share
+   use geartrain_continuation_special_points, only: rms_of
+   use geartrain_continuation_step_geometry, only: cosine, go_along, odd_share
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -183,7 +183,7 @@ contains
       kept = 0
       do i = 1, max_steps
          s = between(a, b, fa, fb)
-         call go_along(first, last, length, s, middle)
+         call go_along(first, last, s/length, matrix%single%units, middle)
          call matrix%test(middle, f)
          if (abs(f(mode)) < 1e-10_dp*scale) exit
          call shrink(a, b, fa, fb, s, f(mode), kept)

@@ -6,12 +6,14 @@ module geartrain_continuation_solutions
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
-   use geartrain_continuation_branch, only: branch_type, carried_by, coefficients_of, dense_coefficients, has_sets, &
+   use geartrain_continuation_branch, only: branch_type, carried_by, coefficients_of, has_sets, &
       response_settings_type
    use geartrain_continuation_corrector, only: inner, solution_point_type
    use geartrain_continuation_same_solution, only: put_figures_in_order
    use geartrain_continuation_start, only: begin_trace, solution_of
+   use geartrain_continuation_step_geometry, only: arc_length, go_along
    use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_linalg_cubic, only: share_at
    use geartrain_model_check, only: check_train
    use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
@@ -67,19 +69,15 @@ contains
       !> Gets the solutions as further points.
       type(branch_type), intent(inout), target :: found
       type(solution_point_type) :: solution
-      real(dp) :: share
       integer :: i
       logical :: success
 
       do i = 1, branch%points - 1
          if (branch%segment(i) /= branch%segment(i + 1)) cycle
          if (.not. crosses(branch%frequency_ratio(i), branch%frequency_ratio(i + 1), frequency_ratio, ends(branch, i + 1))) cycle
-         share = 0
-         if (abs(branch%frequency_ratio(i + 1) - branch%frequency_ratio(i)) > 0) &
-            share = (frequency_ratio - branch%frequency_ratio(i))/(branch%frequency_ratio(i + 1) - branch%frequency_ratio(i))
          if (tracer%settings%harmonics == 0) &
             call tracer%prepare(maxval(branch%point_harmonics(i:i + 1)), carried_by(branch, i, i + 1))
-         call solve_between(tracer, branch, i, share, frequency_ratio, solution, success)
+         call solve_between(tracer, branch, i, frequency_ratio, solution, success)
          if (.not. success) cycle
          call tracer%corrector%orient(solution, 1)
          call tracer%adapt(solution, success, fixed=.true.)
@@ -106,53 +104,72 @@ contains
       if (last) crosses = crosses .or. abs(frequency_ratio - b) <= 0
    end function crosses
 
-   !> Newton from the interpolated coefficients, if it fails from either neighbour; at last, where a neighbour is at the frequency,
-   !> across the branch, because a fold cannot be solved at constant Lambda.
-   subroutine solve_between(tracer, branch, i, share, frequency_ratio, solution, success)
-      type(tracer_type), intent(inout) :: tracer
-      type(branch_type), intent(in) :: branch
-      integer, intent(in) :: i
-      real(dp), intent(in) :: share, frequency_ratio
-      type(solution_point_type), intent(out) :: solution
-      logical, intent(out) :: success
-      type(motion_type) :: motion
-      type(solution_point_type) :: start
-      real(dp) :: weight, chord, drift
-      integer :: attempt
-
-      motion%frequency_ratio = frequency_ratio
-      motion%period = branch%subharmonic
-      chord = norm2(branch%coefficients(:, :, i + 1) - branch%coefficients(:, :, i))
-      ! Refined points lie off the balance's solutions by their corrections.
-      drift = 0
-      if (allocated(branch%correction)) drift = maxval(branch%correction(i:i + 1))*norm2(branch%coefficients(2:, :, i))
-      do attempt = 1, 3
-         weight = merge(share, real(attempt - 2, dp), attempt == 1)
-         motion%coefficients = dense_coefficients(branch, (1 - weight)*branch%coefficients(:, :, i) &
-                                                  + weight*branch%coefficients(:, :, i + 1))
-         solution = solution_of(tracer, motion)
-         call tracer%corrector%solve_at(solution, success)
-         if (.not. success) cycle
-         ! A solution between two neighbours is no farther from each than twice the distance of the two.
-         motion%coefficients = coefficients_of(branch, i)
-         start = solution_of(tracer, motion)
-         success = sqrt(inner(solution%u - start%u, solution%u - start%u)) <= 2*(chord + max(drift, 0.0_dp)) &
-                   + 1e-9_dp*tracer%corrector%units%length
-         if (success) return
-      end do
-      if (abs(share) <= 0 .or. abs(share - 1) <= 0) call solve_across(tracer, branch, i, frequency_ratio, solution, success)
-   end subroutine solve_between
-
-   !> Solves the point of the branch at `frequency_ratio`, i or i + 1, across the chord between the two.
-   subroutine solve_across(tracer, branch, i, frequency_ratio, solution, success)
+   !> Newton from the cubic through the neighbours, if it fails from either neighbour; at last, where a neighbour is at the
+   !> frequency, across the branch, because a fold cannot be solved at constant Lambda.
+   subroutine solve_between(tracer, branch, i, frequency_ratio, solution, success)
       type(tracer_type), intent(inout) :: tracer
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: i
       real(dp), intent(in) :: frequency_ratio
       type(solution_point_type), intent(out) :: solution
       logical, intent(out) :: success
-      type(motion_type) :: motion
       type(solution_point_type) :: ends(2)
+      real(dp) :: chord, drift
+      integer :: attempt
+
+      call find_ends(tracer, branch, i, ends)
+      chord = norm2(branch%coefficients(:, :, i + 1) - branch%coefficients(:, :, i))
+      ! Refined points lie off the balance's solutions by their corrections.
+      drift = 0
+      if (allocated(branch%correction)) drift = maxval(branch%correction(i:i + 1))*norm2(branch%coefficients(2:, :, i))
+      do attempt = 0, 2
+         solution = ends(max(1, attempt))
+         if (attempt == 0) call go_to(frequency_ratio)
+         solution%frequency_ratio = frequency_ratio
+         call tracer%corrector%solve_at(solution, success)
+         if (.not. success) cycle
+         ! A solution between two neighbours is no farther from each than twice the distance of the two.
+         success = sqrt(inner(solution%u - ends(1)%u, solution%u - ends(1)%u)) <= 2*(chord + max(drift, 0.0_dp)) &
+                   + 1e-9_dp*tracer%corrector%units%length
+         if (success) return
+      end do
+      if (any(abs(ends%frequency_ratio - frequency_ratio) <= 0)) &
+         call solve_across(tracer, ends, frequency_ratio, solution, success)
+
+   contains
+
+      !> Makes `solution` the point of the cubic at this Lambda.
+      subroutine go_to(frequency_ratio)
+         real(dp), intent(in) :: frequency_ratio
+         type(solution_point_type) :: tangents(2)
+         real(dp) :: share, length
+         integer :: j
+
+         share = 0
+         if (abs(ends(2)%frequency_ratio - ends(1)%frequency_ratio) > 0) &
+            share = (frequency_ratio - ends(1)%frequency_ratio)/(ends(2)%frequency_ratio - ends(1)%frequency_ratio)
+         solution%u = (1 - share)*ends(1)%u + share*ends(2)%u
+         tangents = ends
+         do j = 1, 2
+            if (norm2(ends(2)%u - ends(1)%u) + abs(ends(2)%frequency_ratio - ends(1)%frequency_ratio) <= 0) return
+            call tracer%corrector%correct(tangents(j), success)
+            if (.not. success) return
+            ends(j)%tangent = tangents(j)%tangent
+            ends(j)%tangent_frequency = tangents(j)%tangent_frequency
+         end do
+         length = arc_length(ends(1), ends(2), tracer%corrector%units)
+         share = share_at(ends%frequency_ratio, ends%tangent_frequency*length, frequency_ratio)
+         call go_along(ends(1), ends(2), share, tracer%corrector%units, solution)
+      end subroutine go_to
+   end subroutine solve_between
+
+   !> The points i and i + 1 of a branch as guesses, with the chord between them as tangent.
+   subroutine find_ends(tracer, branch, i, ends)
+      type(tracer_type), intent(in) :: tracer
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: i
+      type(solution_point_type), intent(out) :: ends(2)
+      type(motion_type) :: motion
       integer :: j
 
       motion%period = branch%subharmonic
@@ -161,6 +178,20 @@ contains
          motion%coefficients = coefficients_of(branch, i + j - 1)
          ends(j) = solution_of(tracer, motion)
       end do
+      do j = 1, 2
+         ends(j)%tangent = ends(2)%u - ends(1)%u
+         ends(j)%tangent_frequency = ends(2)%frequency_ratio - ends(1)%frequency_ratio
+      end do
+   end subroutine find_ends
+
+   !> Solves the end of a step that is at `frequency_ratio`, across the chord between the ends.
+   subroutine solve_across(tracer, ends, frequency_ratio, solution, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(solution_point_type), intent(in) :: ends(2)
+      real(dp), intent(in) :: frequency_ratio
+      type(solution_point_type), intent(out) :: solution
+      logical, intent(out) :: success
+
       solution = ends(merge(1, 2, abs(frequency_ratio - ends(1)%frequency_ratio) <= 0))
       solution%tangent = ends(2)%u - ends(1)%u
       solution%tangent_frequency = ends(2)%frequency_ratio - ends(1)%frequency_ratio

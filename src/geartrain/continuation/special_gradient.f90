@@ -28,7 +28,7 @@ module geartrain_continuation_special_gradient
    public :: special_gradient
 
    !> Longest step of a difference: as a share of the step of the branch and at most [units_type], and relative to the parameter.
-   real(dp), parameter :: share = 0.1_dp, longest = 1e-3_dp, relative = 1e-2_dp
+   real(dp), parameter :: share = 0.1_dp, longest = 5e-4_dp, relative = 1e-2_dp
    !> Share of the longest step at which differences are given up where the multipliers are not known.
    real(dp), parameter :: least = 1e-4_dp
    character(*), parameter :: abrupt = 'the multipliers change too abruptly next to the special point'

@@ -1,16 +1,17 @@
 !> Special points that the balance alone locates between two neighbouring points of a branch: folds, and where a branch meets the
-!> branch of half its period. With the tools of every search of special points: the cubic between two points and a bracketed root.
+!> branch of half its period.
 module geartrain_continuation_special_points
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, special_point_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_step_geometry, only: odd_product
+   use geartrain_continuation_step_geometry, only: arc_length, go_along, odd_product, way_to
    use geartrain_linalg_bracket, only: between, shrink
+   use geartrain_linalg_cubic, only: highest_share
    use geartrain_linalg_trigonometric, only: rms
    implicit none (type, external)
    private
    public :: locate_fold, locate_half_period, add_special_point
-   public :: generic_vector, go_along, rms_of
+   public :: generic_vector, rms_of
 
    integer, parameter :: max_steps = 30
 
@@ -30,7 +31,8 @@ contains
       real(dp), intent(out) :: s
       !> False where Newton's method fails.
       logical, intent(out) :: success
-      real(dp) :: a, b, fa, fb
+      type(solution_point_type) :: guess
+      real(dp) :: a, b, fa, fb, length
       integer :: i, kept
 
       kept = 0
@@ -38,9 +40,18 @@ contains
       b = h
       fa = here%tangent_frequency
       fb = next%tangent_frequency
+      length = sign(arc_length(here, next, corrector%units), fa)
+      guess = next
       do i = 1, max_steps
          s = between(a, b, fa, fb)
-         call corrector%advance(here, s, fold, success)
+         if (i == 1) s = h*min(0.999_dp, max(0.001_dp, highest_share([0.0_dp, sign(1.0_dp, fa)*(next%frequency_ratio &
+                                                                     - here%frequency_ratio)], length*[fa, fb])))
+         call go_along(here, next, s/h, corrector%units, guess)
+         associate (short => s - way_to(here, guess, corrector%units))
+            guess%u = guess%u + short*here%tangent
+            guess%frequency_ratio = guess%frequency_ratio + short*here%tangent_frequency
+         end associate
+         call corrector%advance(here, s, fold, success, guess)
          if (.not. success) return
          if (abs(fold%tangent_frequency) < 1e-7_dp*corrector%units%frequency_ratio) return
          call shrink(a, b, fa, fb, s, fold%tangent_frequency, kept)
@@ -90,27 +101,6 @@ contains
       solution%frequency_ratio = first%frequency_ratio + share*(last%frequency_ratio - first%frequency_ratio)
    end subroutine locate_half_period
 
-   !> The point of the cubic through two solution points and their tangents, with its derivative as its tangent.
-   pure subroutine go_along(here, next, h, s, solution)
-      !> Ends of the cubic, with their tangents.
-      type(solution_point_type), intent(in) :: here, next
-      !> Distance of `next`, and of the point of the cubic, from `here` [1].
-      real(dp), intent(in) :: h, s
-      !> Point of the cubic: coefficients, Lambda and tangent.
-      type(solution_point_type), intent(inout) :: solution
-      real(dp) :: t, a(4), b(4)
-
-      t = s/h
-      a = [(1 + 2*t)*(1 - t)**2, t*(1 - t)**2*h, t**2*(3 - 2*t), t**2*(t - 1)*h]
-      b = [6*t*(t - 1)/h, (1 - t)*(1 - 3*t), 6*t*(1 - t)/h, t*(3*t - 2)]
-      solution%u = a(1)*here%u + a(2)*here%tangent + a(3)*next%u + a(4)*next%tangent
-      solution%frequency_ratio = a(1)*here%frequency_ratio + a(2)*here%tangent_frequency + a(3)*next%frequency_ratio + a(4)* &
-           next%tangent_frequency
-      solution%tangent = b(1)*here%u + b(2)*here%tangent + b(3)*next%u + b(4)*next%tangent
-      solution%tangent_frequency = b(1)*here%frequency_ratio + b(2)*here%tangent_frequency + b(3)*next%frequency_ratio &
-                                + b(4)*next%tangent_frequency
-   end subroutine go_along
-
    !> A vector without any symmetry, so that it is orthogonal to no motion of a symmetric train.
    pure subroutine generic_vector(number, x, y)
       !> Different numbers give different vectors.
@@ -146,7 +136,7 @@ contains
    end function rms_of
 
    !> Lists a special point of a branch, in the order along the branch.
-   subroutine add_special_point(branch, kind, frequency_ratio, point, rms, multiplicity)
+   subroutine add_special_point(branch, kind, frequency_ratio, point, rms, multiplicity, arclength)
       !> Branch whose `special_points` grow.
       type(branch_type), intent(inout) :: branch
       !> Kind as in special_point_type.
@@ -157,6 +147,8 @@ contains
       integer, intent(in) :: point
       !> Number of multipliers, or of pairs, that pass the unit circle together; 1 unless it is given.
       integer, intent(in), optional :: multiplicity
+      !> Length of the branch up to it [1]; not known unless it is given.
+      real(dp), intent(in), optional :: arclength
       type(special_point_type) :: special
       integer :: n
 
@@ -165,6 +157,7 @@ contains
       special%point = point
       special%rms = rms
       if (present(multiplicity)) special%multiplicity = multiplicity
+      if (present(arclength)) special%arclength = arclength
       n = count(branch%special_points%point <= point)
       branch%special_points = [branch%special_points(:n), special, branch%special_points(n + 1:)]
    end subroutine add_special_point

@@ -1,21 +1,21 @@
-!> Locates changes of stability between two neighbouring points of a branch, by counting the multipliers outside the unit circle:
+!> Locates changes of stability between two places of a branch, by counting the multipliers outside the unit circle:
 !> real multipliers below -1, real multipliers above +1 and complex pairs.
 !>
 !> Counts by kind, unlike their sum, tell two period doublings in one step, a period doubling where a pair enters, and a pair that
 !> becomes real outside the circle, which is no change at all. Multipliers that stay on the circle to rounding, as of a mode without
 !> damping, are never outside. Real multipliers pass +1 at folds and branch points, which the balance locates more exactly.
 module geartrain_continuation_stability_changes
-   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: branch_type, multipliers_at
+   use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_special_points, only: add_special_point, go_along, rms_of
+   use geartrain_continuation_special_points, only: add_special_point, rms_of
+   use geartrain_continuation_step_geometry, only: go_along
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: are_numbers, neutral
+   use geartrain_floquet_multipliers, only: neutral
    use geartrain_linalg_bracket, only: between, shrink
    implicit none (type, external)
    private
-   public :: add_stability_changes, find_multipliers, largest_multiplier, outside, piece_type, separate
+   public :: find_multipliers, hides_pair, largest_multiplier, outside, piece_type, separate
 
    public :: doubling, neimark_sacker
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
@@ -29,73 +29,23 @@ module geartrain_continuation_stability_changes
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
    !> circle, at the latest two places, up to which the chord through them is exact enough.
    real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
+   !> Distance from +1 within which a real multiplier may pass +1 at an end of a piece; length of a piece, as a share of the step,
+   !> in which no more hidden pairs are sought.
+   real(dp), parameter :: next_to_one = 0.02_dp, least = 1e-3_dp
    !> Width of the bracket of a change, as a share of the step, at which it is located where chords are not exact.
    real(dp), parameter :: located = 1e-9_dp
    integer, parameter :: most_steps = 60
    !> Difference of multipliers that are equal by the symmetry of the train.
    real(dp), parameter :: equal = 1e-7_dp
 
-   !> A piece of a branch between two solution points with tangents, and its length in the metric of the branch.
+   !> A piece of a branch between two solution points with tangents, its length and the length of the branch up to it, in the metric
+   !> of the branch.
    type :: piece_type
       type(solution_point_type) :: here, next
-      real(dp) :: length = 0
+      real(dp) :: length = 0, start = 0
    end type piece_type
 
 contains
-
-   !> Lists the changes of stability between two neighbouring points of a branch as special points.
-   subroutine add_stability_changes(corrector, monodromy, here, next, length, before, after, branch)
-      !> Corrector of the branch.
-      type(corrector_type), intent(inout) :: corrector
-      !> Monodromy matrix set up for the system; work space.
-      type(monodromy_type), intent(inout) :: monodromy
-      !> The two points with their tangents.
-      type(solution_point_type), intent(in) :: here, next
-      !> Distance of the two points, in the metric of the branch [1].
-      real(dp), intent(in) :: length
-      !> Numbers of the two points; the special points are listed after point `after` - 1.
-      integer, intent(in) :: before, after
-      !> Branch with the multipliers of both points; its `special_points` grow.
-      type(branch_type), intent(inout), target :: branch
-      type(piece_type) :: piece
-      complex(dp) :: first(branch%states), last(branch%states)
-      integer(int64) :: began, now, rate
-
-      first = multipliers_at(branch, before)
-      last = multipliers_at(branch, after)
-      if (.not. (are_numbers(first) .and. are_numbers(last))) return
-      ! The multipliers are sorted by magnitude: none is outside, which is the rule.
-      if (max(abs(first(1)), abs(last(1))) <= 1) return
-      if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
-      if (all(outside(first) == outside(last))) return
-      piece = piece_type(here, next, length)
-      call system_clock(began, rate)
-      ! Of a train of many states multipliers that are all inside the circle may be rough.
-      if (monodromy%is_partial()) then
-         if (abs(first(1)) < 1) call find_at(0.0_dp, first)
-         if (abs(last(1)) < 1) call find_at(length, last)
-      end if
-      call separate(corrector, monodromy, piece, 0.0_dp, length, first, last, after, branch)
-      call system_clock(now)
-      branch%verdict_seconds = branch%verdict_seconds + real(now - began, dp)/real(rate, dp)
-
-   contains
-
-      !> Multipliers to their digits at an end of the step; as they are where Newton's method fails.
-      subroutine find_at(s, multipliers)
-         real(dp), intent(in) :: s
-         complex(dp), intent(inout) :: multipliers(:)
-         complex(dp) :: found(size(multipliers))
-         type(solution_point_type) :: solution
-         real(dp) :: place
-         logical :: success
-
-         place = s
-         call find_multipliers(corrector, monodromy, piece, s, s, place, solution, found, success)
-         if (.not. success) return
-         if (are_numbers(found)) multipliers = found
-      end subroutine find_at
-   end subroutine add_stability_changes
 
    !> Number of multipliers outside the unit circle, of each kind.
    pure function outside(multipliers)
@@ -140,12 +90,15 @@ contains
       logical :: success
 
       change = outside(last) - outside(first)
-      if (change(doubling) == 0 .and. change(neimark_sacker) == 0) return
+      if (change(doubling) == 0 .and. change(neimark_sacker) == 0) then
+         if (.not. hides_pair(first, last) .or. b - a < least*piece%length) return
+      end if
       if (all(mod(change([doubling, above_one]), 2) == 0) .and. stays(first, last)) return
       kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
-      if (change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. change(above_one) == 0) .and. &
+      if (any(change([doubling, neimark_sacker]) /= 0) .and. &
+          change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. change(above_one) == 0) .and. &
           pass_together(first, last, kind)) then
-         call locate(corrector, monodromy, piece, a, b, first, last, kind, solution)
+         call locate(corrector, monodromy, piece, a, b, first, last, kind, solution, s)
          call list(abs(change(kind)))
          return
       end if
@@ -174,10 +127,32 @@ contains
          if (corrector%fixed%has_differences(changes)) multiplicity = changes
          do k = 1, changes/max(1, multiplicity)
             call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, rms_of(corrector, solution), &
-                                   multiplicity)
+                                   multiplicity, piece%start + s)
          end do
       end subroutine list
    end subroutine separate
+
+   !> Whether a pair must have left the circle, or come back to it, and become real within a piece: of the real multipliers above 1
+   !> only one passes +1 in a piece, at a fold, and is near +1 at this end.
+   pure logical function hides_pair(first, last)
+      !> Multipliers at the ends of the piece, (state).
+      complex(dp), intent(in) :: first(:), last(:)
+
+      hides_pair = least_above(first) > most_above(last) .or. least_above(last) > most_above(first)
+   end function hides_pair
+
+   !> Number of real multipliers that are above 1 for sure, and that may be.
+   pure integer function least_above(multipliers)
+      complex(dp), intent(in) :: multipliers(:)
+
+      least_above = count(is_real(multipliers) .and. multipliers%re > 1 + next_to_one)
+   end function least_above
+
+   pure integer function most_above(multipliers)
+      complex(dp), intent(in) :: multipliers(:)
+
+      most_above = count(abs(multipliers%im) <= next_to_one .and. multipliers%re > 1 - next_to_one)
+   end function most_above
 
    !> Whether the multipliers of a kind that pass the circle are equal at both ends, as the differences of equal branches have them.
    pure logical function pass_together(first, last, kind)
@@ -217,7 +192,7 @@ contains
    end function stays
 
    !> The solution point between the distances `from` and `to` along a piece where a multiplier of a kind passes the circle.
-   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, solution)
+   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, solution, s)
       type(corrector_type), intent(inout) :: corrector
       type(monodromy_type), intent(inout) :: monodromy
       type(piece_type), intent(in) :: piece
@@ -225,8 +200,10 @@ contains
       complex(dp), intent(in) :: first(:), last(:)
       integer, intent(in) :: kind
       type(solution_point_type), intent(inout) :: solution
+      !> Distance of the point from the beginning of the piece [1].
+      real(dp), intent(out) :: s
       complex(dp) :: multipliers(size(first))
-      real(dp) :: a, b, fa, fb, f, f_before, s, s_before
+      real(dp) :: a, b, fa, fb, f, f_before, s_before
       integer :: i, kept, critical(3), number
       logical :: success
 
@@ -305,11 +282,11 @@ contains
       do attempt = 0, size(share)
          if (attempt > 0) s = a + share(attempt)*(b - a)
          solution = piece%here
-         call go_along(piece%here, piece%next, piece%length, s, solution)
+         call go_along(piece%here, piece%next, s/piece%length, corrector%units, solution)
          call corrector%correct(solution, success)
          if (success) exit
       end do
-      if (.not. success) call go_along(piece%here, piece%next, piece%length, s, solution)
+      if (.not. success) call go_along(piece%here, piece%next, s/piece%length, corrector%units, solution)
       if (.not. success) return
       call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
       call monodromy%multipliers(multipliers)

@@ -1,15 +1,16 @@
-!> Geometry of a step between neighbouring points of a branch: sense of Lambda, angle between tangents, hidden folds, return to the
-!> beginning, and the odd harmonics of motions of even period.
+!> Geometry of a step between neighbouring points of a branch: the cubic through both, sense of Lambda, angle between tangents,
+!> hidden folds, and the odd harmonics of motions of even period.
 module geartrain_continuation_step_geometry
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: inner, solution_point_type
    use geartrain_model_units, only: units_type
    implicit none (type, external)
    private
-   public :: cosine_limit, sense_of, hides_folds, odd_product, odd_share, loses_odd, passes_half_period, cosine, way_to, closes
+   public :: arc_length, cosine_limit, go_along, sense_of, hides_folds, odd_product, odd_share, loses_odd, passes_half_period, &
+      cosine, way_to
 
    !> Cosine of the largest angle between tangents of neighbouring points.
-   real(dp), parameter :: cosine_limit = 0.85_dp
+   real(dp), parameter :: cosine_limit = 0.5_dp
    !> Lambda part of a unit tangent, in the unit of Lambda, below which its sign is rounding [1]: a branch of period 2 leaves
    !> vertically and is vertical until contact is lost.
    real(dp), parameter :: vertical = 1e-6_dp
@@ -27,25 +28,25 @@ contains
       if (abs(solution%tangent_frequency) > vertical*units%frequency_ratio) sense_of = merge(1, -1, solution%tangent_frequency > 0)
    end function sense_of
 
-   !> Whether Lambda turns twice between two points, going by the cubic through the points with their slopes.
-   pure logical function hides_folds(here, next, units, h)
+   !> Whether Lambda may turn twice between two points, going by the cubic through the points with their slopes.
+   pure logical function hides_folds(here, next, units, uncertain)
       !> Neighbouring solution points with their tangents.
       type(solution_point_type), intent(in) :: here, next
       !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
-      !> Distance of the points, in the metric of the branch [1].
-      real(dp), intent(in) :: h
+      !> Uncertainty of the slope of the cubic [1].
+      real(dp), intent(in) :: uncertain
       real(dp) :: curvature, share, chord
 
       hides_folds = .false.
-      chord = (next%frequency_ratio - here%frequency_ratio)/h
+      chord = (next%frequency_ratio - here%frequency_ratio)/arc_length(here, next, units)
       associate (first => here%tangent_frequency, last => next%tangent_frequency)
          if (first*last <= 0 .or. max(abs(first), abs(last), abs(chord)) < vertical*units%frequency_ratio) return
          curvature = first + last - 2*chord
          if (abs(curvature) <= 0) return
          share = (2*first + last - 3*chord)/(3*curvature)
          if (share <= 0 .or. share >= 1) return
-         hides_folds = first*(first - 3*curvature*share**2) < 0
+         hides_folds = sign(1.0_dp, first)*(first - 3*curvature*share**2) < uncertain
       end associate
    end function hides_folds
 
@@ -130,23 +131,44 @@ contains
                + (solution%frequency_ratio - here%frequency_ratio)*here%tangent_frequency/units%frequency_ratio**2
    end function way_to
 
-   !> Whether the next step closes the branch: `origin` lies ahead, within the step and close to the tangent.
-   logical function closes(here, origin, h, units, gap)
-      !> Latest point and first point of the branch, with their tangents.
-      type(solution_point_type), intent(in) :: here, origin
-      !> Length of the next step, in the metric of the branch [1].
-      real(dp), intent(in) :: h
+   !> Length of the branch between two neighbouring points: that of a circle through both with these tangents, but for the fourth
+   !> power of the angle between them, by which the cubic through the points fits the circle best [1].
+   pure real(dp) function arc_length(here, next, units)
+      !> Neighbouring solution points with their tangents.
+      type(solution_point_type), intent(in) :: here, next
       !> Units of the metric of the branch.
       type(units_type), intent(in) :: units
-      !> Distance from `here` to `origin` along the tangent at `here` [1].
-      real(dp), intent(out) :: gap
       real(dp) :: du(size(here%u, 1), size(here%u, 2)), df
 
-      du = (origin%u - here%u)/units%length
-      df = (origin%frequency_ratio - here%frequency_ratio)/units%frequency_ratio
-      gap = way_to(here, origin, units)
-      closes = gap > 0 .and. gap <= h .and. inner(du, du) + df**2 < 1.1_dp*gap**2 &
-               .and. cosine(here, origin, units) > cosine_limit
-   end function closes
+      du = (next%u - here%u)/units%length
+      df = (next%frequency_ratio - here%frequency_ratio)/units%frequency_ratio
+      arc_length = 2*sqrt(inner(du, du) + df**2)/(1 + sqrt(max(0.0_dp, (1 + cosine(here, next, units))/2)))
+   end function arc_length
+
+   !> The point of the cubic through two solution points and their tangents, with its derivative as its tangent; also beyond its
+   !> ends.
+   pure subroutine go_along(here, next, share, units, solution)
+      !> Ends of the cubic, with their tangents.
+      type(solution_point_type), intent(in) :: here, next
+      !> Distance from `here` along the cubic, as a share of the length between its ends [1].
+      real(dp), intent(in) :: share
+      !> Units of the metric of the branch.
+      type(units_type), intent(in) :: units
+      !> Point of the cubic: coefficients, Lambda and tangent.
+      type(solution_point_type), intent(inout) :: solution
+      real(dp) :: length, a(4), b(4)
+
+      length = max(arc_length(here, next, units), tiny(1.0_dp))
+      associate (t => share)
+         a = [(1 + 2*t)*(1 - t)**2, t*(1 - t)**2*length, t**2*(3 - 2*t), t**2*(t - 1)*length]
+         b = [6*t*(t - 1)/length, (1 - t)*(1 - 3*t), 6*t*(1 - t)/length, t*(3*t - 2)]
+      end associate
+      solution%u = a(1)*here%u + a(2)*here%tangent + a(3)*next%u + a(4)*next%tangent
+      solution%frequency_ratio = a(1)*here%frequency_ratio + a(2)*here%tangent_frequency + a(3)*next%frequency_ratio + a(4)* &
+           next%tangent_frequency
+      solution%tangent = b(1)*here%u + b(2)*here%tangent + b(3)*next%u + b(4)*next%tangent
+      solution%tangent_frequency = b(1)*here%frequency_ratio + b(2)*here%tangent_frequency + b(3)*next%frequency_ratio &
+                                + b(4)*next%tangent_frequency
+   end subroutine go_along
 
 end module geartrain_continuation_step_geometry

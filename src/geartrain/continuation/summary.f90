@@ -3,21 +3,23 @@ module geartrain_continuation_summary
    use geartrain_base_kinds, only: dp
    use geartrain_base_sorting, only: ascending
    use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_curve, only: arc_between, arc_type
    use geartrain_continuation_decided, only: is_undecided, joined
+   use geartrain_linalg_cubic, only: value_on
    implicit none (type, external)
    private
-   public :: peak_type, band_type, peaks, folds, gaps, bands_without_stability, change, way_between
+   public :: peak_type, band_type, peaks, folds, gaps, bands_without_stability, change
 
    !> Change of the rms that is rounding, relative [1].
    real(dp), parameter :: rounding = 1e-9_dp
 
    !> A local maximum of a mesh's rms along the branch.
    type :: peak_type
-      !> Lambda and rms over characteristic length [1], by a parabola through the highest point and its neighbours.
+      !> Lambda and rms over characteristic length [1], on the cubic between two points; one of them is the peak as a rule.
       real(dp) :: frequency_ratio = 0, rms = 0
-      !> Index of the highest point.
+      !> Index of the nearest point.
       integer :: point = 0
-      !> Whether the highest point is stable; whether `stable` is a guess.
+      !> Whether this point is stable; whether `stable` is a guess.
       logical :: stable = .false., undecided = .false.
    end type peak_type
 
@@ -38,72 +40,26 @@ contains
       !> Number of the mesh.
       integer, intent(in) :: mesh
       type(peak_type), allocatable :: found(:)
-      integer :: i
+      type(arc_type) :: arc
+      real(dp) :: share
+      integer :: i, point
+      logical :: has_peak
 
       allocate (found(0))
-      do i = 2, branch%points - 1
-         if (.not. joined(branch, i - 1) .or. .not. joined(branch, i)) cycle
-         if (branch%rms(mesh, i - 1) >= branch%rms(mesh, i) .or. branch%rms(mesh, i + 1) > branch%rms(mesh, i)) cycle
-         ! Over a parameter on which the motion does not depend rounding makes no peaks.
-         if (branch%rms(mesh, i) - minval(branch%rms(mesh, i - 1:i + 1)) < rounding*branch%rms(mesh, i)) cycle
-         found = [found, top_of(branch, mesh, i)]
+      do i = 1, branch%points - 1
+         if (.not. joined(branch, i)) cycle
+         arc = arc_between(branch, mesh, i)
+         call arc%peak(share, has_peak)
+         if (.not. has_peak) cycle
+         associate (height => value_on(arc%rms, arc%rms_slope, share))
+            ! Over a parameter on which the motion does not depend rounding makes no peaks.
+            if (height - minval(branch%rms(mesh, max(1, i - 1):min(branch%points, i + 2))) < rounding*height) cycle
+            point = i + nint(share)
+            found = [found, peak_type(value_on(arc%free, arc%free_slope, share), height, point, is_stable(branch, point), &
+                                      is_undecided(branch, point))]
+         end associate
       end do
    end function peaks
-
-   !> Length of the chord between two points of a branch, in Lambda and rms [1]; over a parameter in its share of the branch and the
-   !> share of the largest rms.
-   pure real(dp) function way_between(branch, i, j) result(way)
-      !> A branch.
-      type(branch_type), intent(in) :: branch
-      !> Indices of the points.
-      integer, intent(in) :: i, j
-      real(dp) :: units(2)
-
-      units = 1
-      if (allocated(branch%parameter)) then
-         associate (at => branch%frequency_ratio(:branch%points))
-            units = [max(maxval(at) - minval(at), tiny(1.0_dp)), max(maxval(branch%rms(:, :branch%points)), tiny(1.0_dp))]
-         end associate
-      end if
-      way = norm2([(branch%frequency_ratio(j) - branch%frequency_ratio(i))/units(1), &
-                   (branch%rms(:, j) - branch%rms(:, i))/units(2)])
-   end function way_between
-
-   !> The peak at a point, from parabolas of the chord length through it and its neighbours.
-   pure type(peak_type) function top_of(branch, mesh, i)
-      type(branch_type), intent(in) :: branch
-      integer, intent(in) :: mesh, i
-      real(dp) :: before, after, along, height(3)
-
-      associate (f => branch%frequency_ratio, rms => branch%rms)
-         before = way_between(branch, i - 1, i)
-         after = way_between(branch, i, i + 1)
-         height = rms(mesh, i - 1:i + 1)
-         associate (slope => slope_of(height), curvature => curvature_of(height))
-            along = 0
-            if (curvature < 0) along = max(-before, min(after, -0.5_dp*slope/curvature))
-            top_of = peak_type(f(i) + along*(slope_of(f(i - 1:i + 1)) + along*curvature_of(f(i - 1:i + 1))), &
-                               rms(mesh, i) + along*(slope + along*curvature), i, is_stable(branch, i), is_undecided(branch, i))
-         end associate
-      end associate
-
-   contains
-
-      !> First derivative, along the chord length, at the middle of three points.
-      pure real(dp) function slope_of(y)
-         real(dp), intent(in) :: y(3)
-
-         slope_of = ((y(2) - y(1))/before*after + (y(3) - y(2))/after*before)/(before + after)
-      end function slope_of
-
-      !> Half the second derivative of the parabola through three points.
-      pure real(dp) function curvature_of(y)
-         real(dp), intent(in) :: y(3)
-
-         curvature_of = ((y(3) - y(2))/after - (y(2) - y(1))/before)/(before + after)
-      end function curvature_of
-
-   end function top_of
 
    !> Lambda of the folds, ascending.
    pure function folds(branch) result(frequency_ratio)
@@ -243,7 +199,8 @@ contains
       end if
    end function gaps
 
-   !> Lambda at which stability changes between points i and i + 1: at a special point between them, else halfway.
+   !> Lambda at which stability changes between points i and i + 1: at a special point between them, or a fold that is one of them,
+   !> else halfway.
    pure real(dp) function change(branch, i)
       !> A branch.
       type(branch_type), intent(in) :: branch
@@ -253,6 +210,11 @@ contains
 
       change = (branch%frequency_ratio(i) + branch%frequency_ratio(i + 1))/2
       if (.not. allocated(branch%special_points)) return
+      do j = 1, size(branch%special_points)
+         associate (special => branch%special_points(j))
+            if (special%point == i + 1 .and. special%kind == 'fold') change = special%frequency_ratio
+         end associate
+      end do
       do j = 1, size(branch%special_points)
          if (branch%special_points(j)%point == i) change = branch%special_points(j)%frequency_ratio
       end do

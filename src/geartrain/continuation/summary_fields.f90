@@ -46,8 +46,7 @@ contains
 
       n = 0
       if (fields%way /= listing) n = sum([(size(peaks(branch, mesh)), mesh=1, branch%meshes)])
-      if (.not. fields%enter(home//'/peaks', 'local maxima of the rms of a mesh along the branch, by a parabola through the &
-                             &highest point and its neighbours', n > 0)) return
+      if (.not. fields%enter(home//'/peaks', 'local maxima of the rms of a mesh along the branch', n > 0)) return
       call fields%describe('coordinates', trim(free_name(branch))//' mesh')
       call fields%index_axis('peak', n, 'peak, mesh by mesh, in the order along the branch')
       call fields%begin_list('peak')
@@ -72,7 +71,7 @@ contains
          call carry(fields, row('mesh', '', '1', 'the mesh whose rms has the peak'), mesh)
          call carry_free(branch, fields, peak%frequency_ratio)
          call carry(fields, row('rms', '', '1', about_rms), peak%rms)
-         call carry(fields, row('point', '', '1', 'the highest point of the branch'), peak%point)
+         call carry(fields, row('point', '', '1', 'the point of the branch at the peak, or nearest to it'), peak%point)
          if (.not. fields%has('stable', allocated(branch%stable))) return
          call carry(fields, row('stable', '', '1', '1 = that point is stable', on_stability), peak%stable)
          call carry(fields, row('undecided', '', '1', '1 = the stability of that point is a guess', on_stability), peak%undecided)

@@ -14,6 +14,7 @@ module geartrain_continuation_switching
    use geartrain_continuation_critical_point, only: find_critical, harmonics_at
    use geartrain_continuation_interruption, only: drop_step
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
+   use geartrain_continuation_special_spacing, only: add_points_between
    use geartrain_continuation_start, only: begin_trace, doubled_settings
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_model_check, only: check_train
@@ -132,8 +133,9 @@ contains
          call trace_both_ways(tracer, solution, other, switched, 'the branch point', observer, between=critical%frequency_ratio, &
                               multiplicity=branch%special_points(special)%multiplicity)
       end if
-      call tracer%tell_missed(switched)
       call drop_step(tracer, switched)
+      call add_points_between(tracer, switched)
+      call tracer%tell_missed(switched)
       call tracer%recorder%finish(switched)
    end subroutine trace_switched
 

@@ -4,16 +4,19 @@ module geartrain_continuation_tracer
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_branch, only: branch_type, trace_state_type
+   use geartrain_continuation_branch, only: branch_type, multipliers_at, trace_state_type
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_crossings, only: add_branch_point, crossing_type, find_crossings
    use geartrain_continuation_growth_changes, only: add_growth_change
    use geartrain_continuation_hidden_changes, only: add_hidden_changes
-   use geartrain_continuation_recording_corrector, only: recording_corrector_type
+   use geartrain_continuation_probed_changes, only: add_stability_changes
    use geartrain_continuation_special_points, only: add_special_point, locate_fold
-   use geartrain_continuation_stability_changes, only: add_stability_changes
-   use geartrain_continuation_step_geometry, only: closes, cosine, cosine_limit, hides_folds, passes_half_period, sense_of, way_to
-   use geartrain_continuation_step_length, only: acceptable, crosses_branch, jump_step, large, next_step
+   use geartrain_continuation_stability_changes, only: largest_multiplier
+   use geartrain_continuation_step_extremes, only: quantities_type
+   use geartrain_continuation_step_geometry, only: passes_half_period, sense_of, way_to
+   use geartrain_continuation_step_length, only: carries_same, closes, crosses_branch, large, next_step
+   use geartrain_continuation_stepper, only: stepper_type
+   use geartrain_floquet_multipliers, only: are_numbers, side_of_fold
    implicit none (type, external)
    private
    public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, met_half_period
@@ -27,12 +30,10 @@ module geartrain_continuation_tracer
 
    !> Length of the first step, and of the smallest one, in the metric of the branch.
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
-   !> Largest change of Lambda in a step with sets of harmonics, over the range [1].
-   real(dp), parameter :: widest = 0.01_dp
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
 
-   type, extends(recording_corrector_type) :: tracer_type
+   type, extends(stepper_type) :: tracer_type
       !> Largest rms of a mesh over characteristic length [1].
       real(dp) :: amplitude_limit = huge(1.0_dp)
       !> Name of the analysis told to the observer: 'response', or 'branch' for a further branch.
@@ -43,7 +44,7 @@ module geartrain_continuation_tracer
       logical :: resumes = .false.
    contains
       procedure :: trace, tell_missed, note_state, restore_state
-      procedure, private :: shown_step, take_step, find_end, stop_at, add_fold, add_changes, keep_equal
+      procedure, private :: find_end, add_fold, add_changes, jumped
    end type tracer_type
 
 contains
@@ -70,9 +71,10 @@ contains
       !> Number of the point of the branch that `here` is: the latest point unless it is given.
       integer, intent(in), optional :: point
       type(solution_point_type) :: next, origin, fold
-      real(dp) :: h, way, longer, gap, fold_at
-      integer :: steps, before, sense, i
-      logical :: success, keep_going, meets, crosses, at_bound, closing
+      type(quantities_type) :: at_here
+      real(dp) :: h, way, longer, shorter, gap, fold_at, off_curve
+      integer :: steps, before, sense, i, missed
+      logical :: success, keep_going, meets, crosses, at_bound, closing, cut
       type(crossing_type), allocatable :: crossings(:)
 
       before = branch%points
@@ -84,9 +86,11 @@ contains
       h = self%shown_step(min(first_step, self%settings%step), here, low, high)
       steps = 0
       closing = .false.
+      if (allocated(self%before%u)) deallocate (self%before%u)
       if (self%resumes) then
          self%resumes = .false.
          here = branch%trace%here
+         self%before = branch%trace%earlier
          origin = branch%trace%origin
          h = branch%trace%step
          steps = branch%trace%steps
@@ -95,11 +99,14 @@ contains
       else
          call self%keep_equal(here, origin)
       end if
+      call at_here%find(self%corrector, self%recorder%transform, here)
       do
          ! After an interrupt `drop_step` cuts the branch back to `kept`: an interrupted first step takes the first point with it.
          if (.not. self%system%interrupt%raised()) self%kept = [branch%points, size(branch%special_points)]
-         call self%take_step(here, origin, closing, h, low, high, next, success)
+         missed = self%missed
+         call self%take_step(here, origin, closing, h, low, high, next, off_curve, shorter, success)
          way = h
+         longer = h
          at_bound = success .and. .not. closing .and. .not. (next%frequency_ratio > low .and. next%frequency_ratio < high)
          crosses = .false.
          if (at_bound) then
@@ -107,16 +114,22 @@ contains
             way = way_to(here, next, self%corrector%units)
          else if (success .and. .not. closing) then
             longer = next_step(self%corrector, here, next, h, &
-                               self%settings%step*max(1.0_dp, self%corrector%length_of(next%u)/large))
+                               self%settings%step*max(1.0_dp, self%corrector%length_of(next%u)/large), off_curve)
             longer = self%shown_step(longer, next, low, high)
             self%curvature = (next%tangent_frequency - here%tangent_frequency)/h
             crosses = crosses_branch(here, next)
+         end if
+         if (success .and. .not. (crosses .or. self%vanishes())) then
+            call self%cut_step(here, at_here, next, cut)
+            if (cut) way = way_to(here, next, self%corrector%units)
+            at_bound = at_bound .and. .not. cut
+            closing = closing .and. .not. cut
          end if
          call find_crossings(self%corrector, here, next, way, crosses, success, crossings)
          if (success) call self%adapt(next, success, here, origin, fixed=at_bound .or. closing)
          if (closing .and. .not. success) exit
          if (.not. success) then
-            h = h/3
+            h = h*shorter
             if (h >= smallest_step) cycle
             outcome = stuck
             call self%tell_trouble(reason)
@@ -138,18 +151,39 @@ contains
                return
             end if
          end if
+         if (fold_at > 0) then
+            call self%record(next, branch, fold, branch%points)
+         else
+            call self%record(next, branch, here, before)
+         end if
+         ! Nearer to a fold than that balance and multipliers may place it on different sides.
+         if (way > first_step .and. .not. (meets .or. crosses .and. size(crossings) == 0)) then
+            if (self%jumped(here, next, before, fold_at > 0, sum(crossings%multiplicity), branch)) then
+               branch%points = self%kept(1)
+               branch%special_points = branch%special_points(:self%kept(2))
+               self%missed = missed
+               closing = .false.
+               h = min(h, way)/3
+               call self%corrector%correct(here, success)
+               if (success) cycle
+               outcome = stuck
+               reason = 'the branch is lost at Lambda = '//text(here%frequency_ratio)
+               return
+            end if
+         end if
          if (sense_of(next, self%corrector%units) /= 0) sense = sense_of(next, self%corrector%units)
-         call self%record(next, branch)
+         at_here = self%quantities
          steps = steps + 1
          do i = 1, size(crossings)
             if (.not. meets) call add_branch_point(branch, crossings(i))
          end do
-         call self%add_changes(here, next, way, fold, fold_at, before, branch)
+         call self%add_changes(here, next, fold, fold_at, before, branch)
 
          if (closing) exit
          call self%find_end(at_bound, meets, target, before, branch, outcome, reason)
          if (outcome /= under_way .and. self%recorder%stability .and. .not. self%vanishes()) &
-            call add_hidden_changes(self, branch%points - 1, branch%points - 1, branch, self%kept, before)
+            call add_hidden_changes(self%corrector, self%recorder%monodromy, branch%points - 1, branch%points - 1, branch, &
+                                    self%kept(2))
          if (outcome == left_by_amplitude) then
             here = next
             if (present(began)) began = origin
@@ -157,10 +191,12 @@ contains
          if (outcome /= under_way) return
 
          h = longer
+         self%before = here
          here = next
          before = branch%points
          call self%relax(here, origin)
-         if (steps > 3) closing = closes(here, origin, h, self%corrector%units, gap) .and. .not. crosses_branch(here, origin)
+         if (.not. carries_same(here, next)) call at_here%find(self%corrector, self%recorder%transform, here)
+         if (steps > 3) closing = closes(self%corrector, self%before, here, origin, h, gap) .and. .not. crosses_branch(here, origin)
          if (closing) h = gap
 
          ! Last in the loop: the observer may write the branch to a checkpoint, from which another run goes on by branch%trace.
@@ -171,6 +207,7 @@ contains
             branch%trace%step = h
             branch%trace%sense = sense
             branch%trace%here = here
+            branch%trace%earlier = self%before
             branch%trace%origin = origin
          end if
          keep_going = .true.
@@ -184,66 +221,6 @@ contains
       outcome = closed_loop
       reason = 'closed where it began, at Lambda = '//text(origin%frequency_ratio)
    end subroutine trace
-
-   !> Keeps to motions in which equal branches move equally as they do at the beginning of the branch, and solves `here` there.
-   subroutine keep_equal(self, here, origin)
-      class(tracer_type), intent(inout) :: self
-      type(solution_point_type), intent(inout) :: here
-      type(solution_point_type), intent(in) :: origin
-      type(solution_point_type) :: before
-      logical :: success
-
-      call self%corrector%keep_equal(origin)
-      if (self%corrector%fixed%is_whole()) return
-      before = here
-      call self%corrector%correct(here, success)
-      if (.not. success) here = before
-      if (.not. success) here%orientation = 0
-   end subroutine keep_equal
-
-   !> Length of a step [1], shortened where a curve of rms drawn over it would miss dips: with sets of harmonics long steps follow a
-   !> branch that is nearly straight in its coefficients.
-   pure real(dp) function shown_step(self, h, here, low, high) result(step)
-      class(tracer_type), intent(in) :: self
-      real(dp), intent(in) :: h, low, high
-      type(solution_point_type), intent(in) :: here
-
-      step = h
-      if (self%corrector%balance%chosen .and. h*abs(here%tangent_frequency) > widest*(high - low)) &
-         step = widest*(high - low)/abs(here%tangent_frequency)
-   end function shown_step
-
-   !> Solves the next point: a distance h from `here`, or `origin` itself where the branch is closing. Where the tangent leads to or
-   !> beyond the end of a path in a parameter, where there may be no train, the next point is at this end.
-   subroutine take_step(self, here, origin, closing, h, low, high, next, success)
-      class(tracer_type), intent(inout) :: self
-      type(solution_point_type), intent(in) :: here, origin
-      logical, intent(in) :: closing
-      real(dp), intent(in) :: h, low, high
-      type(solution_point_type), intent(inout) :: next
-      logical, intent(out) :: success
-      real(dp) :: ahead, bound
-
-      ahead = here%frequency_ratio + h*here%tangent_frequency
-      if (closing) then
-         next = origin
-         call self%corrector%solve_at(next, success)
-         if (success) call self%corrector%orient(next, merge(1, -1, origin%tangent_frequency > 0))
-      else if (allocated(self%corrector%balance%path) .and. .not. (ahead > low .and. ahead < high)) then
-         bound = merge(low, high, ahead <= low)
-         next = here
-         next%u = here%u + (bound - here%frequency_ratio)/here%tangent_frequency*here%tangent
-         next%frequency_ratio = bound
-         call self%corrector%solve_at(next, success)
-         if (success) success = self%corrector%length_of(next%u - here%u) < 2*h
-         if (success) call self%corrector%orient(next, merge(1, -1, here%tangent_frequency > 0))
-         if (success) success = cosine(here, next, self%corrector%units) > cosine_limit
-      else
-         call self%corrector%advance(here, h, next, success)
-         if (success) success = acceptable(self%corrector, here, next, h)
-         if (success) success = h < jump_step .or. .not. hides_folds(here, next, self%corrector%units, h)
-      end if
-   end subroutine take_step
 
    !> Whether and how the trace ends at the latest point of the branch; the step began at point number `before`.
    subroutine find_end(self, at_bound, meets, target, before, branch, outcome, reason)
@@ -304,27 +281,6 @@ contains
       self%missed = state%missed
    end subroutine restore_state
 
-   !> Makes `next` the solution point at exactly `bound`, a Lambda between `here` and `next`.
-   subroutine stop_at(self, bound, here, next, h, success)
-      class(tracer_type), intent(inout) :: self
-      real(dp), intent(in) :: bound, h
-      type(solution_point_type), intent(in) :: here
-      type(solution_point_type), intent(inout) :: next
-      logical, intent(out) :: success
-      type(solution_point_type) :: guess
-      real(dp) :: share
-
-      share = (bound - here%frequency_ratio)/(next%frequency_ratio - here%frequency_ratio)
-      guess = next
-      guess%u = here%u + share*(next%u - here%u)
-      guess%frequency_ratio = bound
-      next = guess
-      call self%corrector%solve_at(next, success)
-      if (.not. success) return
-      success = self%corrector%length_of(next%u - guess%u) < max(h, 1e-8_dp)
-      if (success) call self%corrector%orient(next, merge(1, -1, bound > here%frequency_ratio))
-   end subroutine stop_at
-
    !> Records the fold between `here` and `next`, a distance h apart, as a point of the branch, and solves `next` again, so that the
    !> corrector worked on `next` last.
    subroutine add_fold(self, here, next, origin, h, at_bound, point, fold, fold_at, branch, success)
@@ -342,9 +298,9 @@ contains
       !> False where there is no fold between `here` and `next`, or no `next`, with the harmonics that the fold needs: nothing is
       !> recorded, and a shorter step shows where Lambda turns.
       logical, intent(out) :: success
-      integer, allocatable :: carried(:)
+      type(solution_point_type) :: guess
       integer :: kept(2), turned
-      logical :: enough, same
+      logical :: enough
 
       kept = [branch%points, size(branch%special_points)]
       turned = sense_of(next, self%corrector%units)
@@ -358,16 +314,13 @@ contains
          fold = next
          call locate_fold(self%corrector, here, next, h, fold, fold_at, success)
          if (.not. success) exit
-         carried = self%corrector%balance%harmonic
          call self%adapt(fold, enough, here, origin)
-         same = size(carried) == size(self%corrector%balance%harmonic)
-         if (same) same = all(carried == self%corrector%balance%harmonic)
-         if (same) exit
+         if (carries_same(fold, next)) exit
          ! With more harmonics the fold lies elsewhere.
          call self%corrector%refit(next)
       end do
       if (success) then
-         call self%record(fold, branch)
+         call self%record(fold, branch, here, point)
          call add_special_point(branch, 'fold', fold%frequency_ratio, branch%points, branch%rms(:, branch%points))
       else
          fold_at = 0
@@ -378,7 +331,8 @@ contains
          call self%corrector%solve_at(next, success)
          if (success) call self%corrector%orient(next, turned)
       else if (success) then
-         call self%corrector%advance(here, h, next, success)
+         guess = next
+         call self%corrector%advance(here, h, next, success, guess)
          if (success) success = sense_of(next, self%corrector%units)*turned >= 0
       end if
       if (success) return
@@ -387,29 +341,56 @@ contains
       branch%special_points = branch%special_points(:kept(2))
    end subroutine add_fold
 
-   !> Lists the changes of stability in the latest step, of length h from `here` to `next`: before and after its fold, if any.
-   subroutine add_changes(self, here, next, h, fold, fold_at, before, branch)
+   !> Whether the latest step led to another branch: along a branch the number of real multipliers above 1 is even or odd, and
+   !> changes this at a fold and at a branch point alone. Only points at which it is decided tell.
+   logical function jumped(self, here, next, before, folds, crossings, branch)
+      class(tracer_type), intent(in) :: self
+      !> Ends of the step.
+      type(solution_point_type), intent(in) :: here, next
+      !> Number of the point of the branch at which the step began.
+      integer, intent(in) :: before
+      !> There is a fold in the step; number of multipliers that pass +1 at branch points in it.
+      logical, intent(in) :: folds
+      integer, intent(in) :: crossings
+      type(branch_type), intent(in) :: branch
+      complex(dp) :: first(branch%states), last(branch%states)
+
+      jumped = .false.
+      if (.not. self%recorder%stability .or. self%vanishes() .or. branch%states == 0) return
+      if (sense_of(here, self%corrector%units)*sense_of(next, self%corrector%units) == 0) return
+      associate (n => branch%points)
+         if (branch%count_undecided(before) .or. branch%count_undecided(n)) return
+         first = multipliers_at(branch, before)
+         last = multipliers_at(branch, n)
+      end associate
+      if (.not. (are_numbers(first) .and. are_numbers(last))) return
+      if (max(abs(first(1)), abs(last(1))) > largest_multiplier) return
+      jumped = mod(side_of_fold(first) + side_of_fold(last) + merge(1, 0, folds) + crossings, 2) /= 0
+   end function jumped
+
+   !> Lists the changes of stability in the latest step, from `here` to `next`: before and after its fold, if any.
+   subroutine add_changes(self, here, next, fold, fold_at, before, branch)
       class(tracer_type), intent(inout) :: self
       type(solution_point_type), intent(in) :: here, next, fold
-      real(dp), intent(in) :: h, fold_at
+      real(dp), intent(in) :: fold_at
       !> Number of the point of the branch that `here` is.
-      integer, intent(inout) :: before
+      integer, intent(in) :: before
       type(branch_type), intent(inout), target :: branch
 
       ! A train at rest at a wall of its gaps has no multipliers.
       if (.not. self%recorder%stability .or. self%vanishes()) return
       associate (corrector => self%corrector, monodromy => self%recorder%monodromy, n => branch%points)
          if (branch%states == 0) then
-            call add_growth_change(corrector, monodromy, here, next, h, before, n, branch)
+            call add_growth_change(corrector, monodromy, here, next, before, n, branch)
             return
          end if
          ! Of the steps that now have a point after them.
-         call add_hidden_changes(self, max(before, n - 2) - 1, n - 2, branch, self%kept, before)
+         call add_hidden_changes(corrector, monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
          if (fold_at > 0) then
-            call add_stability_changes(corrector, monodromy, here, fold, fold_at, before, n - 1, branch)
-            call add_stability_changes(corrector, monodromy, fold, next, h - fold_at, n - 1, n, branch)
+            call add_stability_changes(corrector, monodromy, here, fold, before, n - 1, branch)
+            call add_stability_changes(corrector, monodromy, fold, next, n - 1, n, branch)
          else
-            call add_stability_changes(corrector, monodromy, here, next, h, before, n, branch)
+            call add_stability_changes(corrector, monodromy, here, next, before, n, branch)
          end if
       end associate
    end subroutine add_changes

@@ -179,7 +179,7 @@ contains
    end subroutine sample
 
    !> Smallest and largest value of p over a period.
-   subroutine extremes(u, harmonic, transform, smallest, largest)
+   subroutine extremes(u, harmonic, transform, smallest, largest, at)
       !> Coefficients, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
       !> Orders h, ascending, (harmonics).
@@ -188,6 +188,8 @@ contains
       type(transform_type), intent(inout) :: transform
       !> Extremes, in the unit of u.
       real(dp), intent(out) :: smallest, largest
+      !> Their angles theta [rad].
+      real(dp), intent(out), optional :: at(2)
 
       integer :: turn(size(transform%sample)), turns, q
       real(dp) :: before, rise
@@ -209,6 +211,7 @@ contains
          smallest = minval(values)
          before = largest - smallest
       end associate
+      if (present(at)) at = 2*pi*([minloc(transform%sample, 1), maxloc(transform%sample, 1)] - 1)/transform%samples
       call refine(1, near*before, largest)
       call refine(-1, near*before, smallest)
 
@@ -237,6 +240,7 @@ contains
             theta = place(k)
             do i = 1, 6
                call evaluate(u, harmonic, theta, p, slope, curvature)
+               if (present(at) .and. side*p >= side*extreme) at((3 + side)/2) = theta
                extreme = side*max(side*extreme, side*p)
                if (side*curvature >= 0) exit
                correction = -slope/curvature
