@@ -218,6 +218,8 @@ contains
       success = .false.
       last = .false.
       before = huge(1.0_dp)
+      ! A guess beyond points known is a difference of them that multiplies their rounding, from step to step.
+      call self%fixed%project(solution%u)
       first = merge(first_accuracy_set, first_accuracy, self%balance%chosen)
       accuracy = first
       defect_before = 0

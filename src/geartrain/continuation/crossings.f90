@@ -21,6 +21,8 @@ module geartrain_continuation_crossings
       integer :: multiplicity = 1
       !> Rms over characteristic length [1], (mesh).
       real(dp), allocatable :: rms(:)
+      !> Where in the step, as a share of its length [1]: the search may end a little outside the step.
+      real(dp) :: share = 0
    end type crossing_type
 
 contains
@@ -39,6 +41,7 @@ contains
       !> The branch points.
       type(crossing_type), allocatable, intent(out) :: found(:)
       type(crossing_type) :: one
+      real(dp) :: way
       logical :: located, same
       integer :: g, changed
 
@@ -52,8 +55,9 @@ contains
             if (.not. btest(changed, g - 1)) cycle
             one%multiplicity = corrector%fixed%modes_of(g)
          end if
-         call find_crossing(corrector, here, h, g, one%frequency_ratio, one%rms, located)
+         call find_crossing(corrector, here, h, g, one%frequency_ratio, one%rms, way, located)
          if (.not. located) cycle
+         one%share = way/h
          same = .false.
          if (size(found) > 0) same = abs(found(1)%frequency_ratio - one%frequency_ratio) < together*abs(one%frequency_ratio)
          if (same) then
@@ -64,19 +68,26 @@ contains
       end do
    end subroutine find_crossings
 
-   !> Lists a branch point between the latest two points, unless it is listed already: the sign of the determinant, found by the
+   !> Lists a branch point of the latest step, unless it is listed already: the sign of the determinant, found by the
    !> lowest harmonics alone, may change repeatedly near a branch point.
-   subroutine add_branch_point(branch, crossing)
+   subroutine add_branch_point(branch, before, crossing)
       !> Branch whose `special_points` grow.
       type(branch_type), intent(inout), target :: branch
+      !> Number of the point at which the step began; a fold within the step is a point as well.
+      integer, intent(in) :: before
       !> The branch point.
       type(crossing_type), intent(in) :: crossing
       integer, parameter :: nearby = 50
+      real(dp) :: arclength
+      integer :: point
 
       associate (special => branch%special_points, n => branch%points, frequency_ratio => crossing%frequency_ratio)
          if (any(special%kind == 'branch point' .and. special%point > n - nearby &
                  .and. abs(special%frequency_ratio - frequency_ratio) < 1e-8_dp*abs(frequency_ratio))) return
-         call add_special_point(branch, 'branch point', frequency_ratio, n - 1, crossing%rms, crossing%multiplicity)
+         arclength = branch%arclength(before) + crossing%share*(branch%arclength(n) - branch%arclength(before))
+         point = n - 1
+         if (arclength < branch%arclength(point)) point = before
+         call add_special_point(branch, 'branch point', frequency_ratio, point, crossing%rms, crossing%multiplicity, arclength)
       end associate
    end subroutine add_branch_point
 

@@ -5,7 +5,7 @@ module geartrain_continuation_singular_search
    use geartrain_continuation_same_solution, only: same_solution
    use geartrain_continuation_singular, only: singular_type
    use geartrain_continuation_special_points, only: rms_of
-   use geartrain_continuation_step_geometry, only: cosine, go_along, odd_share
+   use geartrain_continuation_step_geometry, only: cosine, go_along, odd_share, way_to
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -27,7 +27,7 @@ module geartrain_continuation_singular_search
 contains
 
    !> Finds the branch point near a point of a branch.
-   subroutine find_crossing(corrector, here, h, group, frequency_ratio, rms, success)
+   subroutine find_crossing(corrector, here, h, group, frequency_ratio, rms, way, success)
       !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> Point of the branch from which to search.
@@ -40,6 +40,8 @@ contains
       real(dp), intent(out) :: frequency_ratio
       !> Its rms over characteristic length [1], (mesh).
       real(dp), allocatable, intent(out) :: rms(:)
+      !> Its distance from `here` along the tangent, in the metric of the branch [1]; negative behind `here`.
+      real(dp), intent(out) :: way
       !> A branch point was found.
       logical, intent(out) :: success
       type(system_type), target :: systems(2)
@@ -55,6 +57,7 @@ contains
       if (.not. success) return
       frequency_ratio = solution%frequency_ratio
       rms = rms_of(matrix%single, solution)
+      way = way_to(here, solution, matrix%single%units)
    end subroutine find_crossing
 
    !> Finds the nearest critical point of a branch, searching both ways.

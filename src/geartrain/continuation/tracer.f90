@@ -175,7 +175,7 @@ contains
          at_here = self%quantities
          steps = steps + 1
          do i = 1, size(crossings)
-            if (.not. meets) call add_branch_point(branch, crossings(i))
+            if (.not. meets) call add_branch_point(branch, before, crossings(i))
          end do
          call self%add_changes(here, next, fold, fold_at, before, branch)
 
