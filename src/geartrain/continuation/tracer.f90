@@ -384,14 +384,14 @@ contains
             call add_growth_change(corrector, monodromy, here, next, before, n, branch)
             return
          end if
-         ! Of the steps that now have a point after them.
-         call add_hidden_changes(corrector, monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
          if (fold_at > 0) then
             call add_stability_changes(corrector, monodromy, here, fold, before, n - 1, branch)
             call add_stability_changes(corrector, monodromy, fold, next, n - 1, n, branch)
          else
             call add_stability_changes(corrector, monodromy, here, next, before, n, branch)
          end if
+         ! Of the steps that now have a point after them, the one to a fold included.
+         call add_hidden_changes(corrector, monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
       end associate
    end subroutine add_changes
 
