@@ -68,7 +68,7 @@ contains
       type(augmented_point_type) :: here, next, corner, place
       type(tests_type) :: before, after
       type(limits_type) :: limits
-      character(80) :: why
+      character(80) :: why, beyond
       real(dp) :: h, ends(2), cosine
       integer :: k, leapt, crawls, failures
       logical :: success, ends_here, at_wall, landed, go
@@ -82,6 +82,7 @@ contains
       leapt = -10
       crawls = 0
       failures = 0
+      beyond = ''
       do while (side%points < most_points)
          if (here%parameter <= ends(1) .and. here%tangent_parameter < 0 .or. here%parameter >= ends(2) &
              .and. here%tangent_parameter > 0) then
@@ -125,6 +126,10 @@ contains
             ! On the curve of an onset every motion touches a wall.
             if (.not. success .and. at_wall .and. augmented%mesh == 0) then
                call put(grazing_name(augmented%kind), here)
+               ! What is across the corner says more than the corner.
+               side%end_kind = 'limit'
+               side%ended = trim(beyond)//' near Lambda = '//text(here%frequency_ratio)
+               if (beyond /= '') return
                side%end_kind = 'corner'
                call find_grazing_mesh(augmented, here, k)
                side%ended = 'a corner: mesh '//text(k)//' grazes a wall of its gap at Lambda = '// &
@@ -238,10 +243,12 @@ contains
          success = .false.
          if (side%points - leapt < 4 .or. failures == most_failures) return
          leapt = side%points
+         beyond = ''
          call cross_corner(augmented, here, corner, next, success)
          if (success) then
             call limits%forbids(augmented, next, why)
             success = why == ''
+            beyond = why
          end if
          if (.not. success) then
             failures = failures + 1
