@@ -165,7 +165,7 @@ contains
       estimate = branch%error_estimate(:branch%points)
       sure = .not. branch%estimate_doubtful(:branch%points)
       call refine_branch(train, branch, error)
-      call tests%is_true(.not. allocated(error) .and. branch%points > 100, 'a branch through the folds')
+      call tests%is_true(.not. allocated(error) .and. branch%points > 30, 'a branch through the folds')
       associate (correction => branch%correction(:branch%points))
          call tests%holds('a train with folds 1e-5 apart', 'refined: 49 of 50 points without doubt as estimated, within 3', &
                           50*count(sure .and. (correction < 0 .or. correction > factor*estimate)) <= count(sure))

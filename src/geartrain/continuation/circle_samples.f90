@@ -5,7 +5,7 @@
 !> the function varies by at the samples.
 module geartrain_continuation_circle_samples
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_stability_changes, only: doubling
+   use geartrain_continuation_stability_changes, only: doubling, neimark_sacker
    implicit none (type, external)
    private
    public :: distance_of, far, most_places, none, samples_type
@@ -88,22 +88,23 @@ contains
    end function parabola
 
    !> How far a multiplier is outside the circle, negative inside; the farthest one has number 1; -none: there is none. Where a real
-   !> one below -1 crosses a pair counts as well, with its distance from -1: it may become real between two points.
+   !> one crosses a pair counts as well, with its distance from -1, or +1: it may become real between two points.
    pure real(dp) function distance_of(multipliers, kind, number) result(distance)
       !> Multipliers, (state).
       complex(dp), intent(in) :: multipliers(:)
-      !> Kind of the crossing, `doubling` or `neimark_sacker`; number of the multiplier.
+      !> Kind of the crossing, `doubling`, `neimark_sacker` or `above_one`; number of the multiplier.
       integer, intent(in) :: kind, number
-      real(dp) :: value(size(multipliers))
+      real(dp) :: value(size(multipliers)), place
       integer :: i, n
 
       associate (mu => multipliers)
-         if (kind == doubling) then
-            value = merge(-1 - mu%re, -abs(1 + mu), abs(mu%im) <= 0)
-            n = number
-         else
+         if (kind == neimark_sacker) then
             value = merge(none, abs(mu) - 1, abs(mu%im) <= 0)
             n = 2*number - 1
+         else
+            place = merge(-1, 1, kind == doubling)
+            value = merge(place*mu%re - 1, -abs(mu - place), abs(mu%im) <= 0)
+            n = number
          end if
       end associate
       do i = 1, n - 1

@@ -63,6 +63,7 @@ module geartrain_continuation_corrector
       procedure :: solve_at
       procedure :: solve_beside
       procedure :: correct
+      procedure :: find_distance
       procedure :: orient
       procedure :: advance
       procedure :: refit
@@ -142,6 +143,31 @@ contains
       call self%newton(solution, row, row_frequency, huge(1.0_dp), success)
       if (success) call self%find_tangent(solution)
    end subroutine correct
+
+   !> Finds how far a guess is from the branch: the first of Newton's steps in the hyperplane through it normal to its tangent. The
+   !> balance is left as it is at the guess.
+   subroutine find_distance(self, guess, distance)
+      class(corrector_type), intent(inout) :: self
+      !> The guess with its tangent.
+      type(solution_point_type), intent(in) :: guess
+      !> The distance, in the metric of the branch [1]; huge where the matrix is singular.
+      real(dp), intent(out) :: distance
+      real(dp) :: y
+      logical :: regular
+
+      call self%balance%evaluate(guess%u, guess%frequency_ratio)
+      self%evaluations = self%evaluations + 1
+      call self%matrix%linearize(self%balance)
+      call self%across(guess, self%matrix%row, self%matrix%corner)
+      call self%matrix%factor(self%balance, regular)
+      distance = huge(1.0_dp)
+      if (.not. regular) return
+      self%step = -self%balance%residual
+      y = 0
+      call self%matrix%solve(self%balance, self%step, y)
+      call self%fixed%project(self%step)
+      distance = self%length_of(self%step, y)
+   end subroutine find_distance
 
    !> Finds the tangent of a point at which the matrix was factored with Lambda prescribed.
    subroutine orient(self, solution, direction)

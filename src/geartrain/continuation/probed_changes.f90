@@ -6,11 +6,12 @@ module geartrain_continuation_probed_changes
    use geartrain_continuation_branch, only: branch_type, multipliers_at
    use geartrain_continuation_circle_samples, only: distance_of, far, none, samples_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_stability_changes, only: doubling, find_multipliers, hides_pair, largest_multiplier, &
-      neimark_sacker, outside, piece_type, separate
-   use geartrain_continuation_step_geometry, only: arc_length, cosine, go_along
+   use geartrain_continuation_stability_changes, only: above_one, doubling, find_multipliers, hides_pair, &
+      largest_multiplier, neimark_sacker, outside, piece_type, separate
+   use geartrain_continuation_step_geometry, only: arc_length, cosine, go_along, sense_of
+   use geartrain_continuation_step_length, only: curve_limit
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: are_numbers
+   use geartrain_floquet_multipliers, only: are_numbers, side_of_fold
    implicit none (type, external)
    private
    public :: add_stability_changes
@@ -22,9 +23,12 @@ module geartrain_continuation_probed_changes
    !> Uncertainty of an estimate between these places, as a share of the variation of the distance from the circle: a pair that
    !> becomes real moves with the square root of the length from there.
    real(dp), parameter :: uncertain = 0.5_dp
-   !> Most places at which multipliers are computed to see whether they cross the circle between those places: half of them for each
-   !> kind and sense.
-   integer, parameter :: most_looks = 12
+   !> Distance of the branch from the cubic, over the one up to which a step is accepted by estimate, from which on a step is refused
+   !> that was accepted.
+   real(dp), parameter :: off_cubic = 3
+   !> Most places at which multipliers are computed to see whether they cross the circle between those places, for each kind and
+   !> sense, and in all.
+   integer, parameter :: looks = 6, most_looks = 6*looks
 
    !> Places along a step.
    type :: places_type
@@ -40,7 +44,7 @@ module geartrain_continuation_probed_changes
 contains
 
    !> Lists the changes of stability between two neighbouring points of a branch as special points.
-   subroutine add_stability_changes(corrector, monodromy, here, next, before, after, branch)
+   subroutine add_stability_changes(corrector, monodromy, here, next, before, after, branch, hidden)
       !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
@@ -51,13 +55,16 @@ contains
       integer, intent(in) :: before, after
       !> Branch with the multipliers of both points; its `special_points` grow.
       type(branch_type), intent(inout), target :: branch
+      !> Becomes true where the branch is off the cubic through both points between them, as in a narrow resonance, or a real
+      !> multiplier is above 1 between them alone: two folds, or branch points, are within the step.
+      logical, intent(inout) :: hidden
       type(piece_type) :: piece
       type(solution_point_type) :: solution
       type(places_type) :: places
       complex(dp), dimension(branch%states) :: first, last, multipliers
-      real(dp) :: s
+      real(dp) :: s, distance
       integer(int64) :: began, now, rate
-      integer :: probes, i
+      integer :: probes, i, side(most_probes + most_looks + 2)
       logical :: success
 
       first = multipliers_at(branch, before)
@@ -86,8 +93,8 @@ contains
          ! The motion on the cubic is near enough to see whether they count otherwise.
          solution = here
          call go_along(here, next, s/piece%length, corrector%units, solution)
-         call corrector%balance%evaluate(solution%u, solution%frequency_ratio)
-         corrector%evaluations = corrector%evaluations + 1
+         call corrector%find_distance(solution, distance)
+         hidden = hidden .or. distance > off_cubic*curve_limit(corrector, solution)
          call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
          call monodromy%multipliers(multipliers)
          if (.not. are_numbers(multipliers)) cycle
@@ -100,6 +107,15 @@ contains
       if (places%taken > 2) then
          call look_between(corrector, monodromy, piece, doubling, places)
          call look_between(corrector, monodromy, piece, neimark_sacker, places)
+         ! At a fold itself a multiplier is 1 to rounding.
+         associate (sense => [sense_of(here, corrector%units), sense_of(next, corrector%units)])
+            if (all(sense /= 0)) call look_between(corrector, monodromy, piece, above_one, places)
+            side(:places%taken) = [(side_of_fold(places%multipliers(:, i)), i=1, places%taken)]
+            if (sense(1) == 0) side(1) = side(places%taken)
+            if (sense(2) == 0) side(places%taken) = side(1)
+            if (any(sense /= 0) .and. side(1) == side(places%taken)) &
+               hidden = hidden .or. any(side(:places%taken) /= side(1))
+         end associate
       end if
       do i = 1, places%taken - 1
          associate (at => places%at, known => places%multipliers)
@@ -174,7 +190,7 @@ contains
          do i = 1, n
             call samples%insert(places%at(i), f(i))
          end do
-         do i = 1, most_looks/2
+         do i = 1, looks
             if (.not. samples%reach_circle(piece%length, uncertain)) exit
             call samples%highest(piece%length, s, peak)
             call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, s, solution, multipliers, success)

@@ -17,7 +17,7 @@ module geartrain_continuation_stability_changes
    private
    public :: find_multipliers, hides_pair, largest_multiplier, outside, piece_type, separate
 
-   public :: doubling, neimark_sacker
+   public :: above_one, doubling, neimark_sacker
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
    integer, parameter :: doubling = 1, neimark_sacker = 2, above_one = 3
    character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'neimark-sacker']

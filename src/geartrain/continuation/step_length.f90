@@ -5,7 +5,7 @@ module geartrain_continuation_step_length
    use geartrain_continuation_step_geometry, only: arc_length, cosine, cosine_limit, go_along, loses_odd, way_to
    implicit none (type, external)
    private
-   public :: acceptable, carries_same, closes, crosses_branch, curve_error, jump_step, large, next_step, predict
+   public :: acceptable, carries_same, closes, crosses_branch, curve_error, curve_limit, jump_step, large, next_step, predict
 
    !> Angle between tangents of neighbouring points aimed at [rad]: (1) as a rule; (2) on branches of longer periods, whose period
    !> doublings lie closer together with each generation, and above the amplitude `large`; (3) of balances that carry sets of
@@ -105,7 +105,7 @@ contains
       else
          acceptable = acceptable .and. cosine(here, next, corrector%units) > guess_limit
       end if
-      if (present(error)) acceptable = acceptable .and. error < curve_tolerance*scale_of(corrector, next)
+      if (present(error)) acceptable = acceptable .and. error < curve_limit(corrector, next)
       acceptable = acceptable .and. (h < jump_step .or. .not. crosses_branch(here, next))
    end function acceptable
 
@@ -173,7 +173,7 @@ contains
       associate (correction => max(corrector%correction, 1e-8_dp))
          if (curved) then
             factor = min(factor, (correction_aim(i, 2)/correction)**(1/3.0_dp), &
-                         (curve_aim*curve_tolerance*scale_of(corrector, next)/error)**0.25_dp)
+                         (curve_aim*curve_limit(corrector, next)/error)**0.25_dp)
          else
             factor = min(factor, sqrt(correction_aim(i, 1)/correction))
          end if
@@ -181,12 +181,15 @@ contains
       next_step = min(h*max(0.4_dp, min(1.8_dp, factor)), longest)
    end function next_step
 
-   !> Length of the coefficients of a motion over `large`, but at least 1 [1].
-   pure real(dp) function scale_of(corrector, solution)
+   !> Distance of the branch from the cubic through two points above which a step between them is refused [1]; it grows with the
+   !> length of the coefficients above `large`.
+   pure real(dp) function curve_limit(corrector, solution)
+      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
+      !> A point of the step.
       type(solution_point_type), intent(in) :: solution
 
-      scale_of = max(1.0_dp, corrector%length_of(solution%u)/large)
-   end function scale_of
+      curve_limit = curve_tolerance*max(1.0_dp, corrector%length_of(solution%u)/large)
+   end function curve_limit
 
 end module geartrain_continuation_step_length

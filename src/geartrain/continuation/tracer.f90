@@ -74,7 +74,7 @@ contains
       type(quantities_type) :: at_here
       real(dp) :: h, way, longer, shorter, gap, fold_at, off_curve
       integer :: steps, before, sense, i, missed
-      logical :: success, keep_going, meets, crosses, at_bound, closing, cut
+      logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden
       type(crossing_type), allocatable :: crossings(:)
 
       before = branch%points
@@ -157,27 +157,38 @@ contains
             call self%record(next, branch, here, before)
          end if
          ! Nearer to a fold than that balance and multipliers may place it on different sides.
-         if (way > first_step .and. .not. (meets .or. crosses .and. size(crossings) == 0)) then
-            if (self%jumped(here, next, before, fold_at > 0, sum(crossings%multiplicity), branch)) then
-               branch%points = self%kept(1)
-               branch%special_points = branch%special_points(:self%kept(2))
-               self%missed = missed
-               closing = .false.
-               h = min(h, way)/3
-               call self%corrector%correct(here, success)
-               if (success) cycle
-               outcome = stuck
-               reason = 'the branch is lost at Lambda = '//text(here%frequency_ratio)
-               return
-            end if
+         known = way <= first_step .or. meets .or. crosses .and. size(crossings) == 0
+         lost = .false.
+         if (.not. known) lost = self%jumped(here, next, before, fold_at > 0, sum(crossings%multiplicity), branch)
+         if (.not. lost) then
+            do i = 1, size(crossings)
+               if (.not. meets) call add_branch_point(branch, before, crossings(i))
+            end do
+            hidden = .false.
+            call self%add_changes(here, next, fold, fold_at, before, branch, hidden)
+            lost = hidden .and. .not. known .and. size(crossings) == 0
+         end if
+         if (lost) then
+            branch%points = self%kept(1)
+            branch%special_points = branch%special_points(:self%kept(2))
+            self%missed = missed
+            closing = .false.
+            h = min(h, way)/3
+            call self%corrector%correct(here, success)
+            if (success) cycle
+            outcome = stuck
+            reason = 'the branch is lost at Lambda = '//text(here%frequency_ratio)
+            return
+         end if
+         if (branch%states > 0 .and. self%recorder%stability .and. .not. self%vanishes()) then
+            ! Of the steps that now have a point after them, the one to a fold included.
+            associate (n => branch%points)
+               call add_hidden_changes(self%corrector, self%recorder%monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
+            end associate
          end if
          if (sense_of(next, self%corrector%units) /= 0) sense = sense_of(next, self%corrector%units)
          at_here = self%quantities
          steps = steps + 1
-         do i = 1, size(crossings)
-            if (.not. meets) call add_branch_point(branch, before, crossings(i))
-         end do
-         call self%add_changes(here, next, fold, fold_at, before, branch)
 
          if (closing) exit
          call self%find_end(at_bound, meets, target, before, branch, outcome, reason)
@@ -369,13 +380,15 @@ contains
    end function jumped
 
    !> Lists the changes of stability in the latest step, from `here` to `next`: before and after its fold, if any.
-   subroutine add_changes(self, here, next, fold, fold_at, before, branch)
+   subroutine add_changes(self, here, next, fold, fold_at, before, branch, hidden)
       class(tracer_type), intent(inout) :: self
       type(solution_point_type), intent(in) :: here, next, fold
       real(dp), intent(in) :: fold_at
       !> Number of the point of the branch that `here` is.
       integer, intent(in) :: before
       type(branch_type), intent(inout), target :: branch
+      !> Becomes true where it hides folds or a narrow resonance.
+      logical, intent(inout) :: hidden
 
       ! A train at rest at a wall of its gaps has no multipliers.
       if (.not. self%recorder%stability .or. self%vanishes()) return
@@ -385,13 +398,11 @@ contains
             return
          end if
          if (fold_at > 0) then
-            call add_stability_changes(corrector, monodromy, here, fold, before, n - 1, branch)
-            call add_stability_changes(corrector, monodromy, fold, next, n - 1, n, branch)
+            call add_stability_changes(corrector, monodromy, here, fold, before, n - 1, branch, hidden)
+            call add_stability_changes(corrector, monodromy, fold, next, n - 1, n, branch, hidden)
          else
-            call add_stability_changes(corrector, monodromy, here, next, before, n, branch)
+            call add_stability_changes(corrector, monodromy, here, next, before, n, branch, hidden)
          end if
-         ! Of the steps that now have a point after them, the one to a fold included.
-         call add_hidden_changes(corrector, monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
       end associate
    end subroutine add_changes
 
