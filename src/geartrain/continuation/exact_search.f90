@@ -6,7 +6,8 @@ module geartrain_continuation_exact_search
    use geartrain_continuation_branch, only: branch_type, coefficients_of, multipliers_at, special_point_type
    use geartrain_continuation_decided, only: nearest_decided
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type
-   use geartrain_continuation_orbit_tests, only: back_contact, choose_test, critical, is_onset
+   use geartrain_continuation_orbit_tests, only: back_contact, choose_test, critical, is_onset, outside
+   use geartrain_linalg_cubic, only: share_at, value_on
    use geartrain_model_equal_branches, only: equal_branches_type, find_equal_branches
    use geartrain_model_system, only: system_type
    implicit none (type, external)
@@ -21,6 +22,8 @@ module geartrain_continuation_exact_search
    !> Distance in Lambda of a branch point of the balance from that of the exact motion, in the unit of Lambda, up to which the two
    !> are one.
    real(dp), parameter :: near = 0.01_dp
+   !> Distance of the guesses by which a tangent is guessed from that of an orbit, as a share of a step of the branch [1].
+   real(dp), parameter :: beside = 0.01_dp
 
 contains
 
@@ -146,6 +149,9 @@ contains
          pair = listed%point == special%point .and. listed%kind == special%kind .and. special%kind /= 'fold'
          if (change == 0 .and. count(pair) > 1 .and. (special%kind == 'period doubling' .or. first == 0)) &
             change = merge(1, -1, first == 0)*merge(1, -1, mod(count(pair(:number - 1)), 2) == 0)
+         ! A pair that passes alone may have become real by the end of the step.
+         if (change == 0 .and. special%kind == 'neimark-sacker' .and. count(pair) == 1) &
+            change = (outside(multipliers_at(branch, sides(2))) - outside(multipliers_at(branch, sides(1))))/2
       end associate
    end function change_at
 
@@ -184,7 +190,7 @@ contains
       end if
    end function neighbours
 
-   !> First guess of the orbit at a special point, on the chord of the points on both sides, with the chord as tangent.
+   !> First guess of the orbit at a special point, with its tangent.
    subroutine stand_at(corrector, branch, special, start, found)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(branch_type), intent(in) :: branch
@@ -199,23 +205,84 @@ contains
       ends = ends_of(branch, special)
       call guess_from_point(corrector, branch, ends(1), first)
       call guess_from_point(corrector, branch, ends(2), last)
-      if (special%kind == 'fold') then
+      share = share_of(branch, ends, special%frequency_ratio)
+      select case (special%kind)
+      case ('fold')
          call guess_from_point(corrector, branch, special%point, start)
-      else
-         share = 0
-         if (abs(last%frequency_ratio - first%frequency_ratio) > 0) &
-            share = (corrector%times*special%frequency_ratio - first%frequency_ratio)/(last%frequency_ratio - first%frequency_ratio)
-         ! Next to a fold Lambda may lie outside the range of the two points.
-         share = max(0.0_dp, min(1.0_dp, share))
-         ! At a branch point itself the two tangents leave Newton's method without a solution of its own.
-         if (special%kind == 'branch point') share = merge(0, 1, share > 0.5_dp)
-         start = first
-         start%states = (1 - share)*first%states + share*last%states
-         start%frequency_ratio = (1 - share)*first%frequency_ratio + share*last%frequency_ratio
-      end if
+      case ('branch point')
+         ! At the branch point itself the two tangents leave Newton's method without a solution of its own.
+         call guess_within(corrector, branch, ends, merge(0.0_dp, 1.0_dp, share > 0.5_dp), start)
+      case default
+         call guess_within(corrector, branch, ends, share, start)
+         call guess_within(corrector, branch, ends, share - beside, first)
+         call guess_within(corrector, branch, ends, share + beside, last)
+      end select
       call corrector%point_at(first, last, start, way)
       found = way > 0
    end subroutine stand_at
+
+   !> Where between two points a branch has a value of Lambda that lies between theirs, or the end that is nearer to it, as a share
+   !> of the branch between them [1].
+   pure real(dp) function share_of(branch, ends, frequency_ratio) result(share)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: ends(2)
+      real(dp), intent(in) :: frequency_ratio
+
+      associate (ratio => branch%frequency_ratio(ends))
+         ! Next to a fold Lambda may lie outside the range of the two points.
+         associate (within => max(minval(ratio), min(maxval(ratio), frequency_ratio)))
+            share = share_at(ratio, slopes_of(branch, ends), within)
+         end associate
+      end associate
+   end function share_of
+
+   !> Derivatives of Lambda at two neighbouring points by the share of the branch between them [1]; of the chord where they are not
+   !> known.
+   pure function slopes_of(branch, ends) result(slopes)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: ends(2)
+      real(dp) :: slopes(2)
+
+      slopes = branch%frequency_ratio(ends(2)) - branch%frequency_ratio(ends(1))
+      if (allocated(branch%arclength)) slopes = (branch%arclength(ends(2)) - branch%arclength(ends(1)))*branch%free_slope(ends)
+   end function slopes_of
+
+   !> First guess of an orbit between two neighbouring points of a branch: the motion of the balance on the cubic through up to four
+   !> points. States are those of this motion: they may turn between the points where unknown motions do not, as in a resonance of a
+   !> shaft.
+   subroutine guess_within(corrector, branch, ends, share, orbit)
+      type(orbit_corrector_type), intent(inout) :: corrector
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: ends(2)
+      !> Where, as a share of the branch between the points [1].
+      real(dp), intent(in) :: share
+      type(orbit_type), intent(out) :: orbit
+      type(motion_type) :: motion
+      integer :: nodes(4), j, k
+      real(dp) :: at(4), place, weight
+
+      ! At an end of a segment the node is one of the two points again, and has no weight.
+      nodes = [neighbours(branch, ends(1)), neighbours(branch, ends(2))]
+      nodes = [nodes(1), ends, nodes(4)]
+      do j = 1, 4
+         at(j) = nodes(j) - ends(1)
+         if (allocated(branch%arclength)) at(j) = branch%arclength(nodes(j))
+      end do
+      place = at(2) + share*(at(3) - at(2))
+      motion%period = branch%subharmonic
+      motion%coefficients = 0*coefficients_of(branch, ends(1))
+      do j = 1, 4
+         if (j /= 2 .and. nodes(j) == ends(1) .or. j /= 3 .and. nodes(j) == ends(2)) cycle
+         weight = 1
+         do k = 1, 4
+            if (abs(at(k) - at(j)) <= 0 .or. any(abs(at(:k - 1) - at(k)) <= 0)) cycle
+            weight = weight*(place - at(k))/(at(j) - at(k))
+         end do
+         motion%coefficients = motion%coefficients + weight*coefficients_of(branch, nodes(j))
+      end do
+      motion%frequency_ratio = value_on(branch%frequency_ratio(ends), slopes_of(branch, ends), share)
+      call corrector%first_guess(motion, orbit)
+   end subroutine guess_within
 
    !> Sign of the change of the test function of the kind between two points of the branch; 0: not known.
    pure integer function sense_of(branch, special, change) result(sense)

@@ -23,8 +23,8 @@ module geartrain_continuation_probed_changes
    !> Uncertainty of an estimate between these places, as a share of the variation of the distance from the circle: a pair that
    !> becomes real moves with the square root of the length from there.
    real(dp), parameter :: uncertain = 0.5_dp
-   !> Distance of the branch from the cubic, over the one up to which a step is accepted by estimate, from which on a step is refused
-   !> that was accepted.
+   !> Distance of the branch from the cubic from which on a step is refused that was accepted by its estimate, over the estimate up
+   !> to which it is.
    real(dp), parameter :: off_cubic = 3
    !> Most places at which multipliers are computed to see whether they cross the circle between those places, for each kind and
    !> sense, and in all.
