@@ -244,8 +244,18 @@ contains
       real(dp) :: slopes(2)
 
       slopes = branch%frequency_ratio(ends(2)) - branch%frequency_ratio(ends(1))
-      if (allocated(branch%arclength)) slopes = (branch%arclength(ends(2)) - branch%arclength(ends(1)))*branch%free_slope(ends)
+      if (has_length(branch, ends)) slopes = (branch%arclength(ends(2)) - branch%arclength(ends(1)))*branch%free_slope(ends)
    end function slopes_of
+
+   !> Whether the length of a branch between two neighbouring points is known: not on both sides of a branch point from which a branch
+   !> was traced both ways.
+   pure logical function has_length(branch, ends)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: ends(2)
+
+      has_length = allocated(branch%arclength)
+      if (has_length) has_length = branch%arclength(ends(2)) > branch%arclength(ends(1))
+   end function has_length
 
    !> First guess of an orbit between two neighbouring points of a branch: the motion of the balance on the cubic through up to four
    !> points. States are those of this motion: they may turn between the points where unknown motions do not, as in a resonance of a
@@ -260,23 +270,24 @@ contains
       type(motion_type) :: motion
       integer :: nodes(4), j, k
       real(dp) :: at(4), place, weight
+      logical :: counts(4)
 
-      ! At an end of a segment the node is one of the two points again, and has no weight.
       nodes = [neighbours(branch, ends(1)), neighbours(branch, ends(2))]
       nodes = [nodes(1), ends, nodes(4)]
       do j = 1, 4
          at(j) = nodes(j) - ends(1)
-         if (allocated(branch%arclength)) at(j) = branch%arclength(nodes(j))
+         if (has_length(branch, ends)) at(j) = branch%arclength(nodes(j))
       end do
+      ! At an end of a segment a node is one of the two points again.
+      counts = [at(1) < at(2), .true., .true., at(4) > at(3)]
       place = at(2) + share*(at(3) - at(2))
       motion%period = branch%subharmonic
       motion%coefficients = 0*coefficients_of(branch, ends(1))
       do j = 1, 4
-         if (j /= 2 .and. nodes(j) == ends(1) .or. j /= 3 .and. nodes(j) == ends(2)) cycle
+         if (.not. counts(j)) cycle
          weight = 1
          do k = 1, 4
-            if (abs(at(k) - at(j)) <= 0 .or. any(abs(at(:k - 1) - at(k)) <= 0)) cycle
-            weight = weight*(place - at(k))/(at(j) - at(k))
+            if (k /= j .and. counts(k)) weight = weight*(place - at(k))/(at(j) - at(k))
          end do
          motion%coefficients = motion%coefficients + weight*coefficients_of(branch, nodes(j))
       end do
