@@ -25,6 +25,8 @@ class Between:
     def __init__(self, branch: Any) -> None:
         along = branch.others.get("arclength")
         count = len(branch.segment)
+        if along is not None and len(along) != count:
+            along = None  # points chosen by hand
         self._along = np.arange(count, dtype=float) if along is None else np.asarray(along)
         step = np.diff(self._along)
         joined = (np.diff(branch.segment) == 0) & (step > 0) & (along is not None)

@@ -27,7 +27,10 @@ def by_both(train, start, stop, points):
                                  multipliers=asked) for asked in (False, True))
     assert own.multipliers is None
     np.testing.assert_allclose(own.frequency, whole.frequency, rtol=1e-12)
-    np.testing.assert_allclose(whole.growth_rate, of_multipliers(train, whole), rtol=AT_THE_LAST_STEP)
+    known = of_multipliers(train, whole)
+    numbers = np.isfinite(known)  # of some unstable motions the multipliers overflow
+    assert numbers.mean() > 0.5
+    np.testing.assert_allclose(whole.growth_rate[numbers], known[numbers], rtol=AT_THE_LAST_STEP)
     return own, whole
 
 

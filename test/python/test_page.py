@@ -71,7 +71,8 @@ def test_holds_the_results(page_results, page_path):
     response, column = page_results.response, table["headings"].index("force or torque")
     largest = response.mesh_force_maximum[response.stable].max(axis=0)
     assert [row[column] for row in table["rows"][:2]] == largest.tolist()
-    motion = response.at(float(response.frequency[table["points"][2][1]]))[0]
+    point = table["points"][2][1]
+    motion = min(response.at(float(response.frequency[point])), key=lambda motion: np.abs(motion.rms - response.rms[point]).max())
     assert table["rows"][2][column] == pytest.approx(max(-motion.shaft_torque_minimum[0], motion.shaft_torque_maximum[0]), rel=1e-6)
     table = told["tables"][names.index("Without a stable motion")]
     np.testing.assert_array_equal(table["rows"], response.bands_without_stability)

@@ -111,7 +111,7 @@ def shown(opened):
 
 def test_pictures_of_a_point_are_those_of_the_motion(shown, page_results):
     """Displacement, force, spectrum and multipliers as drawn, against the motion in Python."""
-    for series, point, branch in ((0, 40, page_results.response), (1, 17, page_results.branches[0])):
+    for series, point, branch in ((0, 20, page_results.response), (1, 9, page_results.branches[0])):
         shown.js("choose(main.series[arguments[0]], arguments[1], 1)", series, point)
         shown.settle()
         values = {name: getattr(branch, name)[point] for name in (*VALUES, "frequency", "coefficients")}

@@ -27,14 +27,16 @@ def test_a_response_in_its_units(branch, unit, label, factor):
     ax = branch.plot(mesh=2, unit=unit)
     assert ax.get_xlabel() == label and ax.get_ylabel() == r"mesh displacement  rms $/\, b_c$"
     drawn = {(x, y) for line in ax.lines for x, y in zip(*line.get_data(), strict=True)}
-    assert drawn == set(zip(factor * branch.frequency, branch.rms[:, 1], strict=True))
+    # With places between the points, see test_fewer_points.py.
+    assert drawn > set(zip(factor * branch.frequency, branch.rms[:, 1], strict=True))
 
 
 def test_any_quantity_of_a_response(branch):
     ax = branch.plot(quantity="mesh_force")
     assert ax.get_ylabel() == "largest mesh force  [N]"
     drawn = np.concatenate([line.get_ydata() for line in ax.lines])
-    assert set(drawn) == set(branch.mesh_force_maximum.ravel())
+    assert set(drawn) > set(branch.mesh_force_maximum.ravel())
+    assert drawn.max() == branch.mesh_force_maximum.max()
     assert branch.plot(quantity="dynamic_factor", mesh=1).get_ylabel() == "dynamic factor"
     with pytest.raises(gt.InputError, match=r"quantity = 'colour': must be .*'rms'.*'mesh_force'"):
         branch.plot(quantity="colour")
@@ -102,7 +104,7 @@ def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
     assert [text.get_text() for text in ax.get_legend().get_texts()] == ["shaft 1", "shaft 3", "unstable"]
     for color, column in zip(COLORS, (0, 2)):
         drawn = {y for line in ax.lines if mpl.colors.same_color(line.get_color(), color) for y in line.get_ydata()}
-        assert drawn == {*torque[:, column], *(2 * torque[:, column])}
+        assert drawn > {*torque[:, column], *(2 * torque[:, column])}
         # What is shaded are the stable motions, each from the smallest to the largest torque.
         shaded = [shade.get_paths()[0].vertices for shade in ax.collections
                   if mpl.colors.same_color(shade.get_facecolor()[0, :3], color)]

@@ -8,6 +8,7 @@ module geartrain_continuation_both_ways
    use geartrain_continuation_large_amplitude, only: followed_out, trace_through
    use geartrain_continuation_points, only: put_in_front
    use geartrain_continuation_special_points, only: add_special_point
+   use geartrain_continuation_step_length, only: carries_same
    use geartrain_continuation_tracer, only: cancelled, closed_loop, tracer_type
    implicit none (type, external)
    private
@@ -32,12 +33,14 @@ contains
       real(dp), intent(in), optional :: between
       !> Number of multipliers that pass +1 together there.
       integer, intent(in), optional :: multiplicity
-      type(solution_point_type) :: began
+      type(solution_point_type) :: began, first
       character(:), allocatable :: reason
+      real(dp) :: gap
       integer :: outcome, first_outcome, first_points
       logical :: success
 
       began = forward
+      first = forward
       call trace_through(tracer, forward, tracer%settings%stop, branch, outcome, branch%ended, observer, began)
       call drop_step(tracer, branch)
       if (branch%cancelled) return
@@ -56,8 +59,11 @@ contains
       began = backward
       tracer%segment = tracer%segment + 1
       if (present(between)) then
-         call add_special_point(branch, 'branch point', between, branch%points, branch%rms(:, 1), multiplicity)
+         if (.not. carries_same(first, backward)) call tracer%corrector%refit(first)
+         gap = tracer%corrector%length_of(backward%u - first%u, backward%frequency_ratio - first%frequency_ratio)
+         call add_special_point(branch, 'branch point', between, branch%points, branch%rms(:, 1), multiplicity, gap/2)
          call tracer%record(backward, branch)
+         branch%arclength(branch%points) = gap
          call trace_through(tracer, backward, tracer%settings%stop, branch, outcome, reason, observer, began)
       else
          call trace_through(tracer, backward, tracer%settings%stop, branch, outcome, reason, observer, began, point=1)

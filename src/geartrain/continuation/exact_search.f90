@@ -244,18 +244,8 @@ contains
       real(dp) :: slopes(2)
 
       slopes = branch%frequency_ratio(ends(2)) - branch%frequency_ratio(ends(1))
-      if (has_length(branch, ends)) slopes = (branch%arclength(ends(2)) - branch%arclength(ends(1)))*branch%free_slope(ends)
+      if (allocated(branch%arclength)) slopes = (branch%arclength(ends(2)) - branch%arclength(ends(1)))*branch%free_slope(ends)
    end function slopes_of
-
-   !> Whether the length of a branch between two neighbouring points is known: not on both sides of a branch point from which a branch
-   !> was traced both ways.
-   pure logical function has_length(branch, ends)
-      type(branch_type), intent(in) :: branch
-      integer, intent(in) :: ends(2)
-
-      has_length = allocated(branch%arclength)
-      if (has_length) has_length = branch%arclength(ends(2)) > branch%arclength(ends(1))
-   end function has_length
 
    !> First guess of an orbit between two neighbouring points of a branch: the motion of the balance on the cubic through up to four
    !> points. States are those of this motion: they may turn between the points where unknown motions do not, as in a resonance of a
@@ -276,7 +266,7 @@ contains
       nodes = [nodes(1), ends, nodes(4)]
       do j = 1, 4
          at(j) = nodes(j) - ends(1)
-         if (has_length(branch, ends)) at(j) = branch%arclength(nodes(j))
+         if (allocated(branch%arclength)) at(j) = branch%arclength(nodes(j))
       end do
       ! At an end of a segment a node is one of the two points again.
       counts = [at(1) < at(2), .true., .true., at(4) > at(3)]
