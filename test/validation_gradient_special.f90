@@ -90,26 +90,29 @@ contains
 
    contains
 
-      !> Differences of fourth order, with half the change until they agree: folds of long chains lie so close to one another that
-      !> a change by 4e-4 would go beyond the next fold.
+      !> Differences of fourth order, with half the change until three of them agree, of which two may by chance: folds of long
+      !> chains lie so close to one another that a change by 4e-4 would go beyond the next fold.
       subroutine find_slope()
-         real(dp) :: h, wide, narrow, before
+         real(dp) :: h, wide, narrow, before, last
          integer :: halving
 
          h = 4e-4_dp*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)
          least = 1e-3_dp*gradient%frequency_ratio/max(abs(parameter%value), 1e3_dp*h)
          call find_difference(h, wide)
          slope = huge(slope)
+         spread = huge(slope)
          do halving = 1, 8
             if (allocated(error)) return
             before = slope
+            last = spread
             call find_difference(h/2, narrow)
             slope = (8*narrow - wide)/(6*h)
             spread = abs(slope - before)
-            if (spread < 2*exact*max(abs(slope), least)) return
+            if (max(spread, last) < 2*exact*max(abs(slope), least)) return
             wide = narrow
             h = h/2
          end do
+         spread = max(spread, last)
       end subroutine find_slope
 
       !> Lambda of the special point with the parameter greater by h, less Lambda with the parameter less by h.
