@@ -50,12 +50,14 @@ contains
    end subroutine insert
 
    !> The place in the step at which the parabolas through three samples in a row are highest.
-   pure subroutine highest(self, length, s, peak)
+   pure subroutine highest(self, length, s, peak, varies)
       class(samples_type), intent(in) :: self
       !> Length of the step [1].
       real(dp), intent(in) :: length
       !> Distance of the place from the beginning of the step [1]; value there.
       real(dp), intent(out) :: s, peak
+      !> By how much the two samples on both sides of the place differ.
+      real(dp), intent(out), optional :: varies
       real(dp) :: x, value
       integer :: j, k, n
 
@@ -71,6 +73,7 @@ contains
                   if (value <= peak) cycle
                   peak = value
                   s = x
+                  if (present(varies)) varies = abs(self%f(j + 1) - self%f(j))
                end do
             end do
          end associate
@@ -114,18 +117,21 @@ contains
    end function distance_of
 
    !> Whether the circle may be reached within the step.
-   pure logical function reach_circle(self, length, uncertain)
+   pure logical function reach_circle(self, length, uncertain, near)
       class(samples_type), intent(in) :: self
-      !> Length of the step [1]; uncertainty of the estimate, as a share of what the function varies by at the samples [1].
+      !> Length of the step [1]; uncertainty of the estimate, as a share of what the function varies by [1].
       real(dp), intent(in) :: length, uncertain
-      real(dp) :: s, peak
+      !> The function was computed where it may be highest: it varies by what the samples next to the place differ by, else by what
+      !> all do.
+      logical, intent(in) :: near
+      real(dp) :: s, peak, varies
 
       reach_circle = self%taken > 2 .and. length > 0
       if (.not. reach_circle) return
-      call self%highest(length, s, peak)
-      associate (values => self%f(:self%taken))
-         reach_circle = peak + uncertain*(maxval(values) - minval(values)) > 0
-      end associate
+      varies = 0
+      call self%highest(length, s, peak, varies)
+      if (.not. near) varies = maxval(self%f(:self%taken)) - minval(self%f(:self%taken))
+      reach_circle = peak + uncertain*varies > 0
    end function reach_circle
 
 end module geartrain_continuation_circle_samples

@@ -144,24 +144,18 @@ contains
       if (success) call self%find_tangent(solution)
    end subroutine correct
 
-   !> Finds how far a guess is from the branch: the first of Newton's steps in the hyperplane through it normal to its tangent. The
+   !> Finds how far a guess is from the branch, by a step of Newton's method with the factors at hand, of a point next to it. The
    !> balance is left as it is at the guess.
    subroutine find_distance(self, guess, distance)
       class(corrector_type), intent(inout) :: self
-      !> The guess with its tangent.
+      !> The guess.
       type(solution_point_type), intent(in) :: guess
-      !> The distance, in the metric of the branch [1]; huge where the matrix is singular.
+      !> The distance, in the metric of the branch [1].
       real(dp), intent(out) :: distance
       real(dp) :: y
-      logical :: regular
 
       call self%balance%evaluate(guess%u, guess%frequency_ratio)
       self%evaluations = self%evaluations + 1
-      call self%matrix%linearize(self%balance)
-      call self%across(guess, self%matrix%row, self%matrix%corner)
-      call self%matrix%factor(self%balance, regular)
-      distance = huge(1.0_dp)
-      if (.not. regular) return
       self%step = -self%balance%residual
       y = 0
       call self%matrix%solve(self%balance, self%step, y)

@@ -98,7 +98,7 @@ contains
             end do
             if (any(f(0:1) <= none) .or. all(f(0:1) < -far) .or. any(f(0:1) >= 0)) cycle
             call begin_samples()
-            if (.not. samples%reach_circle(apart(0), uncertain)) cycle
+            if (.not. samples%reach_circle(apart(0), uncertain, .false.)) cycle
             call look(found)
             if (found) return
          end do
@@ -161,7 +161,7 @@ contains
             value = sense*distance_of(between, kind, number)
             if (abs(value) >= -none) return
             call samples%insert(s, value)
-            if (.not. samples%reach_circle(piece%length, uncertain)) return
+            if (.not. samples%reach_circle(piece%length, uncertain, .true.)) return
          end do
       end subroutine look
 

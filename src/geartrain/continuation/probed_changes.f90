@@ -25,7 +25,7 @@ module geartrain_continuation_probed_changes
    real(dp), parameter :: uncertain = 0.5_dp
    !> Distance of the branch from the cubic from which on a step is refused that was accepted by its estimate, over the estimate up
    !> to which it is.
-   real(dp), parameter :: off_cubic = 3
+   real(dp), parameter :: off_cubic = 5
    !> Most places at which multipliers are computed to see whether they cross the circle between those places, for each kind and
    !> sense, and in all.
    integer, parameter :: looks = 6, most_looks = 6*looks
@@ -191,7 +191,7 @@ contains
             call samples%insert(places%at(i), f(i))
          end do
          do i = 1, looks
-            if (.not. samples%reach_circle(piece%length, uncertain)) exit
+            if (.not. samples%reach_circle(piece%length, uncertain, i > 1)) exit
             call samples%highest(piece%length, s, peak)
             call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, s, solution, multipliers, success)
             if (.not. success) exit
