@@ -199,20 +199,27 @@ contains
       type(orbit_type), intent(out) :: start
       logical, intent(out) :: found
       type(orbit_type) :: first, last
-      real(dp) :: way, share
+      real(dp) :: way, share, sides(2)
       integer :: ends(2)
 
       ends = ends_of(branch, special)
       call guess_from_point(corrector, branch, ends(1), first)
       call guess_from_point(corrector, branch, ends(2), last)
-      share = share_of(branch, ends, special%frequency_ratio)
       select case (special%kind)
       case ('fold')
          call guess_from_point(corrector, branch, special%point, start)
+         ! The steps on both sides may differ much in length.
+         sides = 1
+         if (allocated(branch%arclength)) sides = abs(branch%arclength(ends) - branch%arclength(special%point))
+         share = beside*minval(sides, sides > 0)
+         if (sides(1) > 0) call guess_within(corrector, branch, [ends(1), special%point], 1 - share/sides(1), first)
+         if (sides(2) > 0) call guess_within(corrector, branch, [special%point, ends(2)], share/sides(2), last)
       case ('branch point')
          ! At the branch point itself the two tangents leave Newton's method without a solution of its own.
+         share = share_of(branch, ends, special%frequency_ratio)
          call guess_within(corrector, branch, ends, merge(0.0_dp, 1.0_dp, share > 0.5_dp), start)
       case default
+         share = share_of(branch, ends, special%frequency_ratio)
          call guess_within(corrector, branch, ends, share, start)
          call guess_within(corrector, branch, ends, share - beside, first)
          call guess_within(corrector, branch, ends, share + beside, last)
