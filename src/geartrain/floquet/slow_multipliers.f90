@@ -8,7 +8,8 @@
 !> grows from 0 to what it is. With a decay sigma, kappa_n'/2 + 2 sigma kappa_n in its place, the same holds for the circle of radius
 !> exp(-sigma period).
 !>
-!> Within the window are the slow modes of the mean train alone. Their exponents follow from the mean train and, to second order in
+!> Within the window a perturbation without a share at nu itself, |nu| < base/2, is damped too, where the amplitudes of kappa are small
+!> beside gamma Lambda. What is left are the slow modes of the mean train. Their exponents follow from the mean train and, to second order in
 !> the variation, from what it makes of them at the frequencies nu + h Lambda.
 module geartrain_floquet_slow_multipliers
    use geartrain_base_kinds, only: dp, pi
@@ -29,6 +30,8 @@ module geartrain_floquet_slow_multipliers
    real(dp), parameter :: faster = 1.1_dp, largest_change = 0.1_dp, largest_addition = 0.1_dp
    !> Widest window, as a share of half the base frequency; room for the error of a rotation number.
    real(dp), parameter :: widest = 0.9_dp, room = 1.02_dp
+   !> Share of the diagonal elements that the others of a row may have.
+   real(dp), parameter :: dominant = 0.9_dp
    !> Samples of kappa over a period of its highest harmonic.
    integer, parameter :: samples = 48
 
@@ -38,7 +41,7 @@ module geartrain_floquet_slow_multipliers
       type(system_type), pointer :: system => null()
       !> The latest motion had the regions `contact` of the laws, (mesh); 0: none yet.
       integer, allocatable :: contact(:)
-      !> There is an element without stiffness or damping, or damping to ground.
+      !> There is an element without stiffness or damping, or damping to ground; or modes were not found.
       logical :: excluded = .false.
       !> Mean stiffness over that of the element [1]; gamma [1], (element).
       real(dp), allocatable :: stiffness(:), damping(:)
@@ -51,9 +54,9 @@ module geartrain_floquet_slow_multipliers
       integer, allocatable :: harmonic(:)
       complex(dp), allocatable :: amplitude(:, :)
       !> kappa of each mesh of varying stiffness over 2 pi/divisor of its phase [1]: its samples first(i):first(i + 1) - 1 in `kappa`;
-      !> gamma [1], greatest common divisor of its harmonics, (varying mesh).
+      !> gamma, sum of its amplitudes [1], greatest common divisor of its harmonics, (varying mesh).
       integer, allocatable :: first(:), divisor(:)
-      real(dp), allocatable :: kappa(:), gamma(:)
+      real(dp), allocatable :: kappa(:), gamma(:), strength(:)
    contains
       procedure :: setup
       procedure :: find
@@ -167,6 +170,7 @@ contains
       self%first = [1]
       self%divisor = [integer ::]
       self%gamma = [real(dp) ::]
+      self%strength = [real(dp) ::]
       self%kappa = [real(dp) ::]
       do j = 1, self%system%meshes
          associate (law => self%system%law(j), s => self%contact(j), n => self%system%mesh_element(j))
@@ -183,6 +187,7 @@ contains
             self%kappa = [self%kappa, kappa]
             self%divisor = [self%divisor, h]
             self%gamma = [self%gamma, law%damping(s)]
+            self%strength = [self%strength, sum(abs(law%amplitude(:, s)))]
             self%first = [self%first, size(self%kappa) + 1]
          end associate
       end do
@@ -205,6 +210,7 @@ contains
       success = size(self%modal_damping) >= number
       if (success) return
       call self%modes%find(self%system, number, success)
+      self%excluded = .not. success
       if (.not. success) return
       associate (weight => self%system%stiffness/self%system%characteristic_frequency**2*self%damping)
          self%modal_damping = [(sum(weight*self%modes%shape(:, i)**2), i=1, number)]
@@ -227,6 +233,9 @@ contains
          if (window > limit) exit
       end do
       window = room*window
+      ! Within the window what has no share at nu itself is damped as well (Gershgorin's circles).
+      if (any(self%strength > dominant*self%gamma*self%divisor*frequency_ratio* &
+              (1 - min(1.0_dp, window/(self%divisor*frequency_ratio)))**2)) window = huge(window)
       if (window > limit) window = huge(window)
    end function window
 

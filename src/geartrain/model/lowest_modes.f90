@@ -117,7 +117,9 @@ contains
       self%frequency = sqrt(max(0.0_dp, 1/value(m:m - number + 1:-1) - moved))
       success = self%below(self%frequency(number)*(1 + 1e-6_dp)) >= number .and. &
                 self%below(self%frequency(number)*(1 - 1e-6_dp)) < number
-      theta = matmul(basis(:, 1:m), vector(:, m:m - number + 1:-1))/spread(root, 2, number)
+      allocate (theta(n, number))
+      call dgemm('N', 'N', n, number, m, 1.0_dp, basis(:, 1:), n, vector(:, m - number + 1:), m, 0.0_dp, theta, n)
+      theta = theta(:, number:1:-1)/spread(root, 2, number)
       deallocate (self%shape)
       allocate (self%shape(system%elements, number))
       do i = 1, system%elements
@@ -173,7 +175,7 @@ contains
    !> Multiplies a pair of vectors by the inverse, as one complex vector.
    pure subroutine multiply(pencil, factors, root, vectors, products)
       type(pencil_type), intent(in) :: pencil
-      complex(dp), intent(in) :: factors(:)
+      complex(dp), intent(in), contiguous :: factors(:)
       real(dp), intent(in) :: root(:), vectors(:, :)
       real(dp), intent(out) :: products(:, :)
       complex(dp) :: x(size(root))
