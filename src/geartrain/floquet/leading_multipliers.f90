@@ -48,7 +48,7 @@ module geartrain_floquet_leading_multipliers
       private
       !> Only a verdict is wanted: multipliers inside the unit circle need not be found to their digits.
       logical :: verdict = .false.
-      !> Of motions whose damping outweighs the variation of their stiffness.
+      !> Multipliers of motions whose damping outweighs the variation of their stiffness.
       type(slow_multipliers_type) :: slow
       type(vector_propagator_type) :: propagator
       type(arnoldi_type) :: space

@@ -8,9 +8,9 @@
 !> grows from 0 to what it is. With a decay sigma, kappa_n'/2 + 2 sigma kappa_n in its place, the same holds for the circle of radius
 !> exp(-sigma period).
 !>
-!> Within the window a perturbation without a share at nu itself, |nu| < base/2, is damped too, where the amplitudes of kappa are small
-!> beside gamma Lambda. What is left are the slow modes of the mean train. Their exponents follow from the mean train and, to second order in
-!> the variation, from what it makes of them at the frequencies nu + h Lambda.
+!> Within the window a perturbation without a share at nu itself, |nu| < base/2, is damped too, where the amplitudes of kappa are
+!> small beside gamma Lambda. What is left are the slow modes of the mean train. Their exponents follow from the mean train and, to
+!> second order in the variation, from what it makes of them at the frequencies nu + h Lambda.
 module geartrain_floquet_slow_multipliers
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_sorting, only: ascending
@@ -53,10 +53,10 @@ module geartrain_floquet_slow_multipliers
       !> Harmonics of Lambda in any kappa, and half their complex amplitudes [1], (harmonic) and (element, harmonic).
       integer, allocatable :: harmonic(:)
       complex(dp), allocatable :: amplitude(:, :)
-      !> kappa of each mesh of varying stiffness over 2 pi/divisor of its phase [1]: its samples first(i):first(i + 1) - 1 in `kappa`;
-      !> gamma, sum of its amplitudes [1], greatest common divisor of its harmonics, (varying mesh).
-      integer, allocatable :: first(:), divisor(:)
-      real(dp), allocatable :: kappa(:), gamma(:), strength(:)
+      !> Meshes of varying stiffness: greatest common divisor of the harmonics of kappa, gamma, sum of the amplitudes of kappa [1],
+      !> (varying mesh). Samples of kappa over 2 pi/divisor of the phase [1], first(i):first(i + 1) - 1 those of varying mesh i.
+      integer, allocatable :: divisor(:), first(:)
+      real(dp), allocatable :: gamma(:), strength(:), kappa(:)
    contains
       procedure :: setup
       procedure :: find
@@ -283,7 +283,7 @@ contains
             do k = 1, size(self%harmonic)
                do side = -1, 1, 2
                   s = cmplx(0, frequency(j) + side*self%harmonic(k)*frequency_ratio, dp)
-                  call self_factors()
+                  call factor_at_s()
                   call respond(shape(:, j), merge(self%amplitude(:, k), conjg(self%amplitude(:, k)), side > 0), moved)
                   added = added + sum(weight*self%stiffness*abs(moved)**2)
                   moved = weight*merge(conjg(self%amplitude(:, k)), self%amplitude(:, k), side > 0)*moved
@@ -319,7 +319,7 @@ contains
    contains
 
       !> Factors of the mean train at the exponent s.
-      subroutine self_factors()
+      subroutine factor_at_s()
          associate (pencil => self%modes%pencil, graph => self%modes%pencil%graph)
             associate (upper => graph%nodes, lower => graph%nodes + graph%slots)
                factors = pencil%stiffness + s*self%damper
@@ -328,7 +328,7 @@ contains
                call factor_scalars(graph, factors)
             end associate
          end associate
-      end subroutine self_factors
+      end subroutine factor_at_s
 
       !> Displacements that the forces of an amplitude of kappa times displacements make, (element).
       subroutine respond(displacement, amplitude, response)
