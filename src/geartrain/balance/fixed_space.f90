@@ -379,16 +379,18 @@ contains
       subroutine add(part, row, column, sense)
          real(dp), intent(inout) :: part(:, :)
          integer, intent(in) :: row, column, sense(:)
-         integer :: entry, l, c
+         integer :: c, entry, l, n
 
          entry = matrix%graph%entry_of(row, column)
          do c = 1, size(sense)
             if (entry > 0) part(2:, c) = part(2:, c) + sense(c)*matrix%entry(2:, c, entry)
          end do
-         do l = 1, size(self%orbit)
+         ! The rows that are coupled with the column.
+         do n = matrix%graph%row(column), matrix%graph%row(column + 1) - 1
+            l = matrix%graph%column(n)
             if (.not. abs(self%inverse(row, l)) > 0) cycle
             entry = matrix%graph%entry_of(l, column)
-            if (entry > 0) part(1, :) = part(1, :) + sense*self%inverse(row, l)*matrix%entry(1, :, entry)
+            part(1, :) = part(1, :) + sense*self%inverse(row, l)*matrix%entry(1, :, entry)
          end do
       end subroutine add
 

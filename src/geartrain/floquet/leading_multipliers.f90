@@ -48,8 +48,10 @@ module geartrain_floquet_leading_multipliers
       private
       !> Only a verdict is wanted: multipliers inside the unit circle need not be found to their digits.
       logical :: verdict = .false.
+      type(system_type), pointer :: system => null()
       !> Multipliers of motions whose damping outweighs the variation of their stiffness.
       type(slow_multipliers_type) :: slow
+      !> Set up at the first motion that needs a flight.
       type(vector_propagator_type) :: propagator
       type(arnoldi_type) :: space
       integer :: states = 0
@@ -81,8 +83,7 @@ contains
 
       self%states = 2*system%coordinates
       call self%slow%setup(system)
-      call self%propagator%setup(system)
-      self%branches = share_alike(system, two) > most_alike
+      self%system => system
       allocate (self%first_contact(system%meshes), self%now(system%meshes))
    end subroutine setup
 
@@ -118,6 +119,10 @@ contains
       success = .false.
       if (verdict .and. size(instant) == 0) call self%slow%find(self%first_contact, frequency_ratio, period, values, success)
       if (success) return
+      if (.not. associated(self%propagator%system)) then
+         call self%propagator%setup(self%system)
+         self%branches = share_alike(self%system, two) > most_alike
+      end if
       if (.not. self%branches) call self%find_with(two, frequency_ratio, values, success)
       if (.not. success) call self%find_with(four, frequency_ratio, values, success)
    end subroutine find

@@ -98,6 +98,7 @@ contains
       success = .false.
       if (any(contact /= self%contact)) call self%take_contact(contact)
       if (self%excluded) return
+      if (self%window(frequency_ratio, 0.0_dp, widest*pi/period) >= huge(limit)) return
       call self%know_modes(max(first_modes, (size(values) + 1)/2), success)
       if (.not. success) return
       decay = faster*minval(self%modal_damping)/2
@@ -217,7 +218,7 @@ contains
       end associate
    end subroutine know_modes
 
-   !> Largest frequency at which a perturbation may decay as slowly as that [1]; huge: above `limit`.
+   !> Largest frequency at which a perturbation may decay as slowly as that [1]; huge: it is above `limit`, or not known.
    real(dp) function window(self, frequency_ratio, decay, limit)
       class(slow_multipliers_type), intent(in) :: self
       real(dp), intent(in) :: frequency_ratio, decay, limit
@@ -228,25 +229,27 @@ contains
       do i = 1, size(self%gamma)
          associate (time => 2*pi/(self%divisor(i)*frequency_ratio))
             turn = rotation(self%kappa(self%first(i):self%first(i + 1) - 1), self%gamma(i), decay, time)
-            window = max(window, turn/time)
+            if (turn < pi) window = max(window, room*turn/time)
+            if (turn >= pi .or. window > limit) then
+               window = huge(window)
+               return
+            end if
          end associate
-         if (window > limit) exit
       end do
-      window = room*window
       ! Within the window what has no share at nu itself is damped as well (Gershgorin's circles).
-      if (any(self%strength > dominant*self%gamma*self%divisor*frequency_ratio* &
-              (1 - min(1.0_dp, window/(self%divisor*frequency_ratio)))**2)) window = huge(window)
-      if (window > limit) window = huge(window)
+      associate (rate => self%divisor*frequency_ratio)
+         if (any(self%strength > dominant*self%gamma*rate*(1 - min(1.0_dp, window/rate))**2)) window = huge(window)
+      end associate
    end function window
 
-   !> Angle by which the solutions of y'' = -(kappa'/2 + 2 decay kappa)/gamma y turn over a period of kappa; huge: by more than pi.
+   !> Angle by which the solutions of y'' = -(kappa'/2 + 2 decay kappa)/gamma y turn over a period of kappa; pi: by pi or more.
    pure real(dp) function rotation(kappa, gamma, decay, time)
       !> kappa at equal distances, both ends included [1]; gamma, decay, period [1].
       real(dp), intent(in) :: kappa(:), gamma, decay, time
       real(dp) :: h, kick, y(2), slope(2)
       integer :: i, n
 
-      rotation = huge(rotation)
+      rotation = pi
       n = size(kappa) - 1
       h = time/n
       ! The solution with the value 1 at first, and that with the slope 1, in steps that keep the area.
