@@ -1,12 +1,12 @@
 !> The leading multipliers of a motion without contact events whose damping outweighs the variation of its stiffness: a verdict
 !> without a flight, for trains of any size.
 !>
-!> A perturbation that neither grows nor decays is y(t) = sum over k of y_k exp(i (nu + k base) t), and so takes as much power out of
-!> the varying stiffness as its damping does: the sum over the elements of k_n <gamma_n y_n'^2 - kappa_n' y_n^2/2> is 0. Each element
-!> has a frequency nu_n: where |nu| > nu_n its mean is above 0 for every y_n. nu_n is the rotation number of
+!> A perturbation that neither grows nor decays is y(t) = sum over k of y_k exp(i (nu + k base) t), and so takes as much power out
+!> of the varying stiffness as its damping does: the sum over the elements of k_n <gamma_n y_n'^2 - kappa_n' y_n^2/2> is 0. Each
+!> element has a frequency nu_n: where |nu| > nu_n its mean is above 0 for every y_n. nu_n is the rotation number of
 !> y'' = -(kappa_n'/2)/gamma_n y. So no multiplier crosses the unit circle outside the window |nu| <= max nu_n while the variation
-!> grows from 0 to what it is. With a decay sigma, kappa_n'/2 + 2 sigma kappa_n in its place, the same holds for the circle of radius
-!> exp(-sigma period).
+!> grows from 0 to what it is. With a decay sigma, kappa_n'/2 + 2 sigma kappa_n in its place, the same holds for the circle of
+!> radius exp(-sigma period), but for elements of constant stiffness, which the modes of the mean train stand for.
 !>
 !> Within the window a perturbation without a share at nu itself, |nu| < base/2, is damped too, where the amplitudes of kappa are
 !> small beside gamma Lambda. What is left are the slow modes of the mean train. Their exponents follow from the mean train and, to
