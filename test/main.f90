@@ -29,6 +29,7 @@ program main
    use unit_results_run, only: results_run_tests
    use unit_robust, only: robust_tests
    use unit_scale, only: scale_tests
+   use unit_slow_multipliers, only: slow_multipliers_tests
    use unit_slips, only: slips_tests
    use unit_time_constants, only: time_constants_tests
    use validation_shaft_torque, only: shaft_torque_tests
@@ -79,6 +80,7 @@ program main
                    suite_type('unit_results', results_tests), &
                    suite_type('unit_robust', robust_tests), &
                    suite_type('unit_scale', scale_tests), &
+                   suite_type('unit_slow_multipliers', slow_multipliers_tests), &
                    suite_type('unit_slips', slips_tests), &
                    suite_type('unit_time_constants', time_constants_tests), &
                    suite_type('unit_results_run', results_run_tests), &

@@ -16,7 +16,7 @@ module unit_scale
    use testing, only: tests_type
    implicit none (type, external)
    private
-   public :: scale_tests
+   public :: chain, equal_branches, joined, scale_tests
 
 contains
 

@@ -312,6 +312,7 @@ contains
       integer, allocatable :: first(:), image(:), pivot(:), sign(:), used(:)
       logical, allocatable :: paired(:)
       integer :: i, info, j, k, n
+      logical :: as_first, as_image
 
       associate (block => matrix%block, orbit => self%orbit)
          ! Of unknowns that move equally one stands for all, and of two that change places half a period later one for both.
@@ -335,10 +336,14 @@ contains
          allocate (mode(n, n), source=0.0_dp)
          do j = 1, size(first)
             do k = 1, size(orbit)
+               as_first = moves(k, first(j))
+               as_image = .false.
+               if (paired(j)) as_image = moves(k, image(j))
+               if (.not. (as_first .or. as_image)) cycle
                do i = 1, size(first)
                   associate (part => mode((i - 1)*block + 1:i*block, (j - 1)*block + 1:j*block))
-                     if (moves(k, first(j))) call add(part, first(i), k, abs(sign))
-                     if (paired(j) .and. moves(k, image(j))) call add(part, first(i), k, sign)
+                     if (as_first) call add(part, first(i), k, abs(sign))
+                     if (as_image) call add(part, first(i), k, sign)
                   end associate
                end do
             end do
@@ -363,9 +368,9 @@ contains
          integer, intent(in) :: k, as
 
          moves = self%orbit(k) == self%orbit(as)
-         if (number <= size(self%group)) then
+         if (moves .and. number <= size(self%group)) then
             associate (unknown => self%group(number)%unknown)
-               moves = moves .and. any(unknown(:, merge(1, 2, any(unknown(:, 1) == as))) == k)
+               moves = any(unknown(:, merge(1, 2, any(unknown(:, 1) == as))) == k)
             end associate
          end if
       end function moves
@@ -374,16 +379,18 @@ contains
       subroutine add(part, row, column, sense)
          real(dp), intent(inout) :: part(:, :)
          integer, intent(in) :: row, column, sense(:)
-         integer :: entry, l, c
+         integer :: c, entry, l, n
 
          entry = matrix%graph%entry_of(row, column)
          do c = 1, size(sense)
             if (entry > 0) part(2:, c) = part(2:, c) + sense(c)*matrix%entry(2:, c, entry)
          end do
-         do l = 1, size(self%orbit)
+         ! The rows that are coupled with the column.
+         do n = matrix%graph%row(column), matrix%graph%row(column + 1) - 1
+            l = matrix%graph%column(n)
             if (.not. abs(self%inverse(row, l)) > 0) cycle
             entry = matrix%graph%entry_of(l, column)
-            if (entry > 0) part(1, :) = part(1, :) + sense*self%inverse(row, l)*matrix%entry(1, :, entry)
+            part(1, :) = part(1, :) + sense*self%inverse(row, l)*matrix%entry(1, :, entry)
          end do
       end subroutine add
 

@@ -3,6 +3,7 @@
 module geartrain_floquet_leading_multipliers
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
+   use geartrain_floquet_slow_multipliers, only: slow_multipliers_type
    use geartrain_floquet_vector_propagator, only: vector_propagator_type
    use geartrain_linalg_arnoldi, only: arnoldi_type
    use geartrain_model_alike, only: share_alike
@@ -47,6 +48,10 @@ module geartrain_floquet_leading_multipliers
       private
       !> Only a verdict is wanted: multipliers inside the unit circle need not be found to their digits.
       logical :: verdict = .false.
+      type(system_type), pointer :: system => null()
+      !> Multipliers of motions whose damping outweighs the variation of their stiffness.
+      type(slow_multipliers_type) :: slow
+      !> Set up at the first motion that needs a flight.
       type(vector_propagator_type) :: propagator
       type(arnoldi_type) :: space
       integer :: states = 0
@@ -77,8 +82,8 @@ contains
       type(system_type), pointer, intent(in) :: system
 
       self%states = 2*system%coordinates
-      call self%propagator%setup(system)
-      self%branches = share_alike(system, two) > most_alike
+      call self%slow%setup(system)
+      self%system => system
       allocate (self%first_contact(system%meshes), self%now(system%meshes))
    end subroutine setup
 
@@ -112,6 +117,12 @@ contains
          self%first_contact(motion%mesh(i)) = motion%contact(i)%first_contact
       end do
       success = .false.
+      if (verdict .and. size(instant) == 0) call self%slow%find(self%first_contact, frequency_ratio, period, values, success)
+      if (success) return
+      if (.not. associated(self%propagator%system)) then
+         call self%propagator%setup(self%system)
+         self%branches = share_alike(self%system, two) > most_alike
+      end if
       if (.not. self%branches) call self%find_with(two, frequency_ratio, values, success)
       if (.not. success) call self%find_with(four, frequency_ratio, values, success)
    end subroutine find

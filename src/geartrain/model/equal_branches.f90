@@ -33,7 +33,7 @@ contains
       type(equal_branches_type), allocatable, intent(out) :: sets(:)
       !> Nodes come first, then elements.
       integer :: kind(size(system%network%inertia) + system%elements), piece(size(kind)), nodes, n
-      integer, allocatable :: member(:, :)
+      integer, allocatable :: member(:, :), length(:), total(:)
       logical :: fixed(size(system%network%inertia)), changed(size(fixed))
       logical, allocatable :: listed(:)
       integer :: i, j, pieces
@@ -46,11 +46,19 @@ contains
       do
          call find_pieces(system, fixed, kind, piece, pieces)
          allocate (listed(pieces), source=.false.)
+         allocate (length(pieces), total(pieces), source=0)
+         do n = 1, size(kind)
+            if (piece(n) == 0) cycle
+            length(piece(n)) = length(piece(n)) + 1
+            total(piece(n)) = total(piece(n)) + kind(n)
+         end do
          do i = 1, pieces
             if (listed(i)) cycle
-            member = reshape(members(i), [count(piece == i), 1])
+            ! The sum of the kinds tells most pieces apart without a look at their members.
+            if (all(length(i + 1:) /= length(i) .or. total(i + 1:) /= total(i))) cycle
+            member = reshape(members(i), [length(i), 1])
             do j = i + 1, pieces
-               if (count(piece == j) /= size(member, 1)) cycle
+               if (length(j) /= length(i) .or. total(j) /= total(i)) cycle
                if (.not. are_equal(system, fixed, kind, member(:, 1), members(j))) cycle
                member = reshape([member, members(j)], [size(member, 1), size(member, 2) + 1])
                listed(j) = .true.
@@ -59,7 +67,7 @@ contains
             call take_unknowns(system, member, set%unknown)
             if (size(set%unknown) > 0) sets = [sets, set]
          end do
-         deallocate (listed)
+         deallocate (listed, length, total)
          ! Next the search goes on within the pieces: a node that is alone in its kind within its piece keeps its place there.
          changed = fixed
          do n = 1, nodes
@@ -179,7 +187,7 @@ contains
       type(system_type), intent(in) :: system
       integer, intent(out) :: kind(:)
       integer, allocatable :: around(:, :)
-      integer :: before(size(kind)), i, j, kinds, last, nodes
+      integer :: before(size(kind)), first(size(kind)), next(size(kind)), i, j, kinds, last, nodes
 
       nodes = size(system%network%inertia)
       kind = 1
@@ -190,17 +198,25 @@ contains
          before = kind
          if (last > 0) call look_around(system, before, around)
          kinds = 0
+         ! The first of each new kind, and the first of the next new kind that was of the same kind before; 0: none.
+         first = 0
+         next = 0
          do i = 1, size(kind)
             kind(i) = 0
-            do j = 1, i - 1
-               if (before(i) == before(j)) then
-                  if (alike(i, j)) kind(i) = kind(j)
-               end if
-               if (kind(i) > 0) exit
+            j = first(before(i))
+            do while (j > 0)
+               if (alike(i, j)) kind(i) = kind(j)
+               if (kind(i) > 0 .or. next(j) == 0) exit
+               j = next(j)
             end do
             if (kind(i) > 0) cycle
             kinds = kinds + 1
             kind(i) = kinds
+            if (j == 0) then
+               first(before(i)) = i
+            else
+               next(j) = i
+            end if
          end do
          if (kinds == last) exit
       end do

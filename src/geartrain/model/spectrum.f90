@@ -11,7 +11,7 @@ module geartrain_model_spectrum
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: eigenvalues_of, eigenvalue_ranges, largest_eigenvalue
+   public :: count_above, eigenvalues_of, eigenvalue_ranges, largest_eigenvalue, make_pencil, pencil_type
 
    !> Eigenvalues below this share of the largest diagonal element are 0 but for rounding.
    real(dp), parameter :: nothing = 1e-14_dp
@@ -120,9 +120,13 @@ contains
       end do
    end function eigenvalue_ranges
 
+   !> Makes K and I.
    pure subroutine make_pencil(system, factor, pencil)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Factors >= 0 of the elements, (element).
       real(dp), intent(in) :: factor(:)
+      !> The matrices.
       type(pencil_type), intent(out) :: pencil
       real(dp) :: weight
       integer :: n, slot
@@ -151,7 +155,9 @@ contains
 
    !> Number of eigenvalues above x.
    pure integer function count_above(pencil, x)
+      !> The matrices.
       type(pencil_type), intent(in) :: pencil
+      !> A number > 0 [1].
       real(dp), intent(in) :: x
       real(dp) :: a(pencil%graph%entries), share
       integer :: i, k, n, s, t
