@@ -101,7 +101,7 @@ contains
    end subroutine update
 
    !> Computes exact spectra of any length with the events of the latest `update`.
-   pure subroutine extend(self, spectra, highest)
+   subroutine extend(self, spectra, highest)
       class(contact_type), intent(in) :: self
       !> Spectra with room from `reserve`.
       type(spectra_type), intent(inout) :: spectra
