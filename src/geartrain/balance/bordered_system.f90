@@ -28,6 +28,8 @@ module geartrain_balance_bordered_system
       real(dp) :: corner = 0
       !> Sign of the determinant of the explicit harmonics: constant along a smooth branch that keeps its sense.
       integer :: orientation = 1
+      !> `orientation` is that of the linearised train in time, which is not comparable with that of the explicit harmonics.
+      logical :: oriented_in_time = .false.
       !> Iterations of GMRES in the latest `solve`; 0 by elimination.
       integer :: iterations = 0
       !> Matrix of the explicit harmonics.
@@ -78,7 +80,8 @@ contains
       !> Balance after `evaluate`.
       type(balance_type), intent(in) :: balance
 
-      self%flows = self%suits_flow
+      ! Where no teeth part harmonics are coupled weakly, and the period may be that of hunting teeth.
+      self%flows = self%suits_flow .and. .not. balance%is_direct() .and. (balance%parts() .or. .not. balance%has_long_period())
       if (.not. self%flows) call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize
@@ -105,6 +108,7 @@ contains
       logical, intent(out) :: regular
       integer :: info
 
+      self%oriented_in_time = self%flows
       if (self%flows) then
          call self%flow%factor(balance, self%column, self%row, self%corner, regular)
          self%orientation = self%flow%orientation
@@ -133,7 +137,7 @@ contains
       real(dp), intent(in), optional :: accuracy
       real(dp) :: enough
       integer :: held
-      logical :: done, regular
+      logical :: done, held_in_time, regular
 
       enough = tolerance
       if (self%flows) enough = tolerance_in_time
@@ -148,8 +152,10 @@ contains
             self%flows = .false.
             call balance%jacobian(self%lowest)
             held = self%orientation
+            held_in_time = self%oriented_in_time
             call self%factor(balance, regular)
             if (self%suits_flow) self%orientation = held
+            if (self%suits_flow) self%oriented_in_time = held_in_time
          end if
          if (.not. regular) then
             y = ieee_value(y, ieee_quiet_nan)

@@ -7,7 +7,7 @@ module geartrain_balance_products
    use geartrain_linalg_trigonometric, only: sample
    implicit none (type, external)
    private
-   public :: add_coefficients, driven, find_wave, multiply, tail_force, toeplitz, transform_tail, wave_product
+   public :: add_coefficients, driven, find_wave, multiply, sparse_product, tail_force, toeplitz, transform_tail, wave_product
 
 contains
 
@@ -104,6 +104,68 @@ contains
          f(2*k + 1) = -2*aimag(transform%coefficient(harmonic(k) + 1))/transform%samples
       end do
    end subroutine wave_product
+
+   !> Product of a function of few harmonics with a motion.
+   pure subroutine sparse_product(harmonic, index, w, x, f)
+      !> Carried harmonics, ascending; harmonics of the function.
+      integer, intent(in) :: harmonic(:), index(:)
+      !> Two-sided coefficients of the function, (0:); coefficients of the motion, (1 + 2*harmonics).
+      complex(dp), intent(in) :: w(0:)
+      real(dp), intent(in) :: x(:)
+      !> Coefficients of the product, (1 + 2*harmonics).
+      real(dp), intent(out) :: f(:)
+      complex(dp) :: total
+      integer :: i, k, n
+
+      f = w(0)%re*x
+      do i = 1, size(index)
+         associate (r => index(i))
+            if (r > ubound(w, 1)) cycle
+            n = place_of(harmonic, r)
+            if (n > 0) f(1) = f(1) + w(r)%re*x(2*n) - w(r)%im*x(2*n + 1)
+            do k = 1, size(harmonic)
+               total = conjg(w(r))*amplitude(harmonic(k) + r)
+               if (harmonic(k) > r) total = total + w(r)*amplitude(harmonic(k) - r)
+               if (harmonic(k) == r) total = total + 2*w(r)*x(1)
+               if (harmonic(k) < r) total = total + w(r)*conjg(amplitude(r - harmonic(k)))
+               f(2*k) = f(2*k) + total%re
+               f(2*k + 1) = f(2*k + 1) - total%im
+            end do
+         end associate
+      end do
+
+   contains
+
+      !> Complex amplitude of the motion at a harmonic, 0 where it is not carried.
+      pure complex(dp) function amplitude(h)
+         integer, intent(in) :: h
+         integer :: m
+
+         amplitude = 0
+         m = place_of(harmonic, h)
+         if (m > 0) amplitude = cmplx(x(2*m), -x(2*m + 1), dp)
+      end function amplitude
+
+   end subroutine sparse_product
+
+   !> Place of a number in an ascending list, 0 where the list lacks it.
+   pure integer function place_of(list, number) result(place)
+      integer, intent(in) :: list(:), number
+      integer :: below, above
+
+      below = 0
+      above = size(list) + 1
+      do while (above - below > 1)
+         place = (below + above)/2
+         if (list(place) == number) return
+         if (list(place) < number) then
+            below = place
+         else
+            above = place
+         end if
+      end do
+      place = 0
+   end function place_of
 
    !> Multiplies the waveform in wide%sample with the function; the coefficients of the product are in wide%coefficient.
    subroutine multiply(wide, w)

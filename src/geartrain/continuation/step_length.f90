@@ -42,7 +42,7 @@ contains
       !> Neighbouring solution points of a branch, with their orientations.
       type(solution_point_type), intent(in) :: here, next
 
-      crosses_branch = here%orientation*next%orientation < 0
+      crosses_branch = here%orientation == -next%orientation .and. here%orientation /= 0
    end function crosses_branch
 
    !> Length of the next step [1]: aims at `angle_aim` and `correction_aim`. The first Newton correction grows with the square of a
