@@ -17,7 +17,7 @@ module geartrain_balance_bordered_system
 
    !> Least residual of GMRES relative to the right-hand side; iterations after which more harmonics are made explicit.
    real(dp), parameter :: tolerance = 1e-10_dp
-   integer, parameter :: most_iterations = 40, most_iterations_in_time = 100
+   integer, parameter :: most_iterations = 40, most_iterations_in_time = 100, most_iterations_in_contact = 200
    !> Least residual with the linearised train in time as preconditioner: a tangent need not be more exact.
    real(dp), parameter :: tolerance_in_time = 1e-5_dp
 
@@ -39,6 +39,8 @@ module geartrain_balance_bordered_system
       !> The linearised train in time, which takes the place of `lowest` and `factors` for sets of many harmonics.
       type(linear_flow_type), private :: flow
       logical, private :: flows = .false., suits_flow = .false.
+      !> The period is long, and solutions are as exact as with the linearised train in time.
+      logical, private :: has_long_period = .false.
       !> Iterations of GMRES after which other ways are taken.
       integer, private :: most = most_iterations
       !> Orthonormal basis of GMRES, (block, unknown, vector), and its entries in the border row, (vector).
@@ -69,7 +71,9 @@ contains
       if (allocated(self%basis)) deallocate (self%basis, self%basis_y)
       self%suits_flow = balance%chosen .and. .not. balance%is_direct()
       if (self%suits_flow) self%suits_flow = suits(balance%system)
+      self%has_long_period = self%suits_flow .and. balance%has_long_period()
       self%most = merge(most_iterations_in_time, most_iterations, self%suits_flow)
+      if (self%has_long_period) self%most = most_iterations_in_contact
       if (balance%is_direct()) return
       allocate (self%basis(balance%block, balance%unknowns, self%most + 1), self%basis_y(self%most + 1))
    end subroutine setup
@@ -81,7 +85,7 @@ contains
       type(balance_type), intent(in) :: balance
 
       ! Where no teeth part harmonics are coupled weakly, and the period may be that of hunting teeth.
-      self%flows = self%suits_flow .and. .not. balance%is_direct() .and. (balance%parts() .or. .not. balance%has_long_period())
+      self%flows = self%suits_flow .and. .not. balance%is_direct() .and. (balance%parts() .or. .not. self%has_long_period)
       if (.not. self%flows) call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize
@@ -140,7 +144,7 @@ contains
       logical :: done, held_in_time, regular
 
       enough = tolerance
-      if (self%flows) enough = tolerance_in_time
+      if (self%flows .or. self%has_long_period) enough = tolerance_in_time
       if (present(accuracy)) enough = max(enough, accuracy)
       self%iterations = 0
       do while (.not. balance%is_direct())

@@ -125,8 +125,10 @@ contains
       do i = 1, self%unknowns
          call self%find_force(i, u(:, i))
       end do
-      if (self%is_direct() .or. .not. (self%chosen .and. self%has_long_period() .and. self%parts())) return
-      if (size(self%harmonic) <= most_direct_parting) call self%make_explicit(size(self%harmonic))
+      if (size(self%harmonic) <= most_direct_chosen .or. .not. (self%chosen .and. self%has_long_period())) return
+      i = explicit_of_many_chosen
+      if (self%parts() .and. size(self%harmonic) <= most_direct_parting) i = size(self%harmonic)
+      if (i > self%explicit .or. self%is_direct() .and. i < self%explicit) call self%make_explicit(i)
    end subroutine find_forces
 
    !> Mean damping over stiffness [1] of an unknown mesh at the last `find_forces`.

@@ -106,7 +106,7 @@ contains
    end subroutine wave_product
 
    !> Product of a function of few harmonics with a motion.
-   pure subroutine sparse_product(harmonic, index, w, x, f)
+   subroutine sparse_product(harmonic, index, w, x, f)
       !> Carried harmonics, ascending; harmonics of the function.
       integer, intent(in) :: harmonic(:), index(:)
       !> Two-sided coefficients of the function, (0:); coefficients of the motion, (1 + 2*harmonics).
@@ -114,58 +114,60 @@ contains
       real(dp), intent(in) :: x(:)
       !> Coefficients of the product, (1 + 2*harmonics).
       real(dp), intent(out) :: f(:)
-      complex(dp) :: total
-      integer :: i, k, n
+      integer :: i, j, k, n
 
+      n = size(harmonic)
       f = w(0)%re*x
       do i = 1, size(index)
          associate (r => index(i))
             if (r > ubound(w, 1)) cycle
-            n = place_of(harmonic, r)
-            if (n > 0) f(1) = f(1) + w(r)%re*x(2*n) - w(r)%im*x(2*n + 1)
-            do k = 1, size(harmonic)
-               total = conjg(w(r))*amplitude(harmonic(k) + r)
-               if (harmonic(k) > r) total = total + w(r)*amplitude(harmonic(k) - r)
-               if (harmonic(k) == r) total = total + 2*w(r)*x(1)
-               if (harmonic(k) < r) total = total + w(r)*conjg(amplitude(r - harmonic(k)))
-               f(2*k) = f(2*k) + total%re
-               f(2*k + 1) = f(2*k + 1) - total%im
+            ! Harmonics that are r apart make one another.
+            j = 1
+            do k = 1, n
+               do while (j < n .and. harmonic(j) < harmonic(k) + r)
+                  j = j + 1
+               end do
+               if (harmonic(j) < harmonic(k) + r) exit
+               if (harmonic(j) > harmonic(k) + r) cycle
+               call add(k, conjg(w(r))*amplitude(j))
+               call add(j, w(r)*amplitude(k))
+            end do
+            ! Harmonics that add up to r make one another, and r and the mean.
+            j = n
+            do k = 1, n
+               if (harmonic(k) > r) exit
+               if (harmonic(k) == r) then
+                  f(1) = f(1) + real(conjg(w(r))*amplitude(k), dp)
+                  call add(k, 2*w(r)*x(1))
+                  exit
+               end if
+               do while (j > 1 .and. harmonic(j) > r - harmonic(k))
+                  j = j - 1
+               end do
+               if (harmonic(j) == r - harmonic(k)) call add(k, w(r)*conjg(amplitude(j)))
             end do
          end associate
       end do
 
    contains
 
-      !> Complex amplitude of the motion at a harmonic, 0 where it is not carried.
-      pure complex(dp) function amplitude(h)
-         integer, intent(in) :: h
-         integer :: m
+      !> Complex amplitude of the motion at carried harmonic m.
+      pure complex(dp) function amplitude(m)
+         integer, intent(in) :: m
 
-         amplitude = 0
-         m = place_of(harmonic, h)
-         if (m > 0) amplitude = cmplx(x(2*m), -x(2*m + 1), dp)
+         amplitude = cmplx(x(2*m), -x(2*m + 1), dp)
       end function amplitude
 
+      !> Adds to the product at carried harmonic m.
+      subroutine add(m, term)
+         integer, intent(in) :: m
+         complex(dp), intent(in) :: term
+
+         f(2*m) = f(2*m) + term%re
+         f(2*m + 1) = f(2*m + 1) - term%im
+      end subroutine add
+
    end subroutine sparse_product
-
-   !> Place of a number in an ascending list, 0 where the list lacks it.
-   pure integer function place_of(list, number) result(place)
-      integer, intent(in) :: list(:), number
-      integer :: below, above
-
-      below = 0
-      above = size(list) + 1
-      do while (above - below > 1)
-         place = (below + above)/2
-         if (list(place) == number) return
-         if (list(place) < number) then
-            below = place
-         else
-            above = place
-         end if
-      end do
-      place = 0
-   end function place_of
 
    !> Multiplies the waveform in wide%sample with the function; the coefficients of the product are in wide%coefficient.
    subroutine multiply(wide, w)
