@@ -21,7 +21,8 @@ contains
    end subroutine long_period_tests
 
    !> A cycle repeated 5000 times has 20,000 events, found from samples alone, and spectra by FFT: those of the cycle, found by
-   !> Newton's method and sums over the events, at every 5000th harmonic, and 0 elsewhere.
+   !> Newton's method and sums over the events, at every 5000th harmonic, and 0 elsewhere. With eight samples in a period of the
+   !> highest harmonic, which has a quarter of the amplitude, the polynomial of degree 11 is off by up to 1e-9.
    subroutine many_events(tests)
       class(tests_type), intent(inout) :: tests
       integer, parameter :: cycles = 5000, highest = 3
@@ -32,7 +33,7 @@ contains
       call prepare(one, 1)
       call prepare(many, cycles)
       call tests%is_true(one%events > 0 .and. many%events == cycles*one%events, 'each cycle has its events')
-      call tests%is_close(maxval(abs(many%instant(:one%events)*cycles - one%instant(:one%events))), 0.0_dp, 1e-10_dp, &
+      call tests%is_close(maxval(abs(many%instant(:one%events)*cycles - one%instant(:one%events))), 0.0_dp, 1e-9_dp, &
                           'events of the first cycle')
       expected = 0
       expected(::cycles) = one%spectra%stiffness(:highest)
