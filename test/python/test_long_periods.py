@@ -237,7 +237,7 @@ def test_in_contact_with_many_harmonics():
     before = time.process_time()
     branch = train.response(start=1650.0, stop=1660.0, unit="rpm", harmonics=0, tolerance=1e-3)
     assert branch.complete and branch.error_estimate.max() <= 1e-3 and (branch.separation_fraction == 0).all()
-    assert time.process_time() - before < 0.5 * branch.points
+    assert time.process_time() - before < 0.5 * len(branch.error_estimate)
     [motion], window = branch.at(1655.0, unit="rpm"), train.integrate(1655.0, unit="rpm", window=500)
     assert (abs(motion.rms - window.rms) <= 1e-3 * window.rms + window.rms_uncertainty).all()
 
@@ -247,11 +247,10 @@ def test_teeth_that_part_in_a_long_period_end_early():
     """The wind turbine at a tenth of its load: teeth part at 1034 rpm. Minutes, and no end, before."""
     before = time.process_time()
     branch = wind_turbine(3e4).response(start=1000.0, stop=1100.0, unit="rpm", harmonics=0, tolerance=1e-3)
-    assert time.process_time() - before < 90
-    apart = (branch.separation_fraction > 0).any(axis=0) if branch.separation_fraction.shape[0] == 3 \
-        else (branch.separation_fraction > 0).any(axis=1)
+    assert time.process_time() - before < 120
+    apart = (branch.separation_fraction > 0).any(axis=1)
     assert apart.any() and (branch.error_estimate[~apart] <= 1e-3).all()
-    assert not branch.complete and "is within reach" in branch.ended and "&integration" in branch.ended
+    assert not branch.complete and "teeth part in hundreds of mesh cycles" in branch.ended and "&integration" in branch.ended
 
 
 @pytest.mark.full

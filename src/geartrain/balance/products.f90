@@ -109,8 +109,9 @@ contains
    subroutine sparse_product(harmonic, index, w, x, f)
       !> Carried harmonics, ascending; harmonics of the function.
       integer, intent(in) :: harmonic(:), index(:)
-      !> Two-sided coefficients of the function, (0:); coefficients of the motion, (1 + 2*harmonics).
+      !> Two-sided coefficients of the function, (0:).
       complex(dp), intent(in) :: w(0:)
+      !> Coefficients of the motion, (1 + 2*harmonics).
       real(dp), intent(in) :: x(:)
       !> Coefficients of the product, (1 + 2*harmonics).
       real(dp), intent(out) :: f(:)

@@ -15,8 +15,9 @@ contains
 
    !> Sets the reason for which the branch ends at its latest point; leaves it unallocated where the branch goes on.
    subroutine find_out_of_reach(estimate, missed, tolerance, frequency_ratio, reason)
-      !> Error estimates of the points so far [1]; number of points that miss the tolerance; the tolerance [1].
+      !> Error estimates of the points so far [1], (point); the tolerance [1].
       real(dp), intent(in) :: estimate(:), tolerance
+      !> Number of points that miss the tolerance.
       integer, intent(in) :: missed
       !> Lambda of the latest point [1].
       real(dp), intent(in) :: frequency_ratio
