@@ -17,7 +17,7 @@ module geartrain_balance_bordered_system
 
    !> Least residual of GMRES relative to the right-hand side; iterations after which more harmonics are made explicit.
    real(dp), parameter :: tolerance = 1e-10_dp
-   integer, parameter :: most_iterations = 40, most_iterations_in_time = 100
+   integer, parameter :: most_iterations = 40, most_iterations_in_time = 100, most_iterations_in_contact = 200
    !> Least residual with the linearised train in time as preconditioner: a tangent need not be more exact.
    real(dp), parameter :: tolerance_in_time = 1e-5_dp
 
@@ -28,6 +28,8 @@ module geartrain_balance_bordered_system
       real(dp) :: corner = 0
       !> Sign of the determinant of the explicit harmonics: constant along a smooth branch that keeps its sense.
       integer :: orientation = 1
+      !> `orientation` is that of the linearised train in time, which is not comparable with that of the explicit harmonics.
+      logical :: oriented_in_time = .false.
       !> Iterations of GMRES in the latest `solve`; 0 by elimination.
       integer :: iterations = 0
       !> Matrix of the explicit harmonics.
@@ -37,6 +39,8 @@ module geartrain_balance_bordered_system
       !> The linearised train in time, which takes the place of `lowest` and `factors` for sets of many harmonics.
       type(linear_flow_type), private :: flow
       logical, private :: flows = .false., suits_flow = .false.
+      !> The period is long, and solutions are as exact as with the linearised train in time.
+      logical, private :: has_long_period = .false.
       !> Iterations of GMRES after which other ways are taken.
       integer, private :: most = most_iterations
       !> Orthonormal basis of GMRES, (block, unknown, vector), and its entries in the border row, (vector).
@@ -67,7 +71,9 @@ contains
       if (allocated(self%basis)) deallocate (self%basis, self%basis_y)
       self%suits_flow = balance%chosen .and. .not. balance%is_direct()
       if (self%suits_flow) self%suits_flow = suits(balance%system)
+      self%has_long_period = self%suits_flow .and. balance%has_long_period()
       self%most = merge(most_iterations_in_time, most_iterations, self%suits_flow)
+      if (self%has_long_period) self%most = most_iterations_in_contact
       if (balance%is_direct()) return
       allocate (self%basis(balance%block, balance%unknowns, self%most + 1), self%basis_y(self%most + 1))
    end subroutine setup
@@ -78,7 +84,8 @@ contains
       !> Balance after `evaluate`.
       type(balance_type), intent(in) :: balance
 
-      self%flows = self%suits_flow
+      ! Where no teeth part harmonics are coupled weakly, and the period may be that of hunting teeth.
+      self%flows = self%suits_flow .and. .not. balance%is_direct() .and. (balance%parts() .or. .not. self%has_long_period)
       if (.not. self%flows) call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize
@@ -105,6 +112,7 @@ contains
       logical, intent(out) :: regular
       integer :: info
 
+      self%oriented_in_time = self%flows
       if (self%flows) then
          call self%flow%factor(balance, self%column, self%row, self%corner, regular)
          self%orientation = self%flow%orientation
@@ -133,10 +141,10 @@ contains
       real(dp), intent(in), optional :: accuracy
       real(dp) :: enough
       integer :: held
-      logical :: done, regular
+      logical :: done, held_in_time, regular
 
       enough = tolerance
-      if (self%flows) enough = tolerance_in_time
+      if (self%flows .or. self%has_long_period) enough = tolerance_in_time
       if (present(accuracy)) enough = max(enough, accuracy)
       self%iterations = 0
       do while (.not. balance%is_direct())
@@ -148,8 +156,10 @@ contains
             self%flows = .false.
             call balance%jacobian(self%lowest)
             held = self%orientation
+            held_in_time = self%oriented_in_time
             call self%factor(balance, regular)
             if (self%suits_flow) self%orientation = held
+            if (self%suits_flow) self%oriented_in_time = held_in_time
          end if
          if (.not. regular) then
             y = ieee_value(y, ieee_quiet_nan)

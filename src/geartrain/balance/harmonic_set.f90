@@ -51,7 +51,7 @@ contains
 
    !> The carried harmonics and, of the tail, the harmonics of largest amplitude, ascending: what is left out afterwards is `share`
    !> of what is left out now. Above 1 carried harmonics of small amplitude are left out.
-   pure function next_set(balance, u, estimate, share) result(harmonic)
+   pure function next_set(balance, u, estimate, share, most) result(harmonic)
       !> Balance, solved.
       type(balance_type), intent(in) :: balance
       !> Its solution [1], (block, unknown).
@@ -60,7 +60,10 @@ contains
       type(error_estimate_type), intent(in) :: estimate
       !> Root of the sum of squares left out afterwards over the present one [1].
       real(dp), intent(in) :: share
+      !> Most harmonics to carry, besides those of the excitation; absent: any number.
+      integer, intent(in), optional :: most
       integer, allocatable :: harmonic(:)
+      integer :: room
       real(dp) :: square(max(balance%highest, maxval([0, estimate%harmonic(:estimate%count)]))), left
       logical :: carried(size(square))
       integer :: k, r
@@ -71,14 +74,17 @@ contains
       end do
       left = sum(square)
       carried = .false.
+      room = size(square)
+      if (present(most)) room = most
       if (share > 1) then
          square = 0
          do k = 1, size(balance%harmonic)
             square(balance%harmonic(k)) = sum(u(2*k:2*k + 1, :)**2)
          end do
-         carried = busiest(square, (share**2 - 1)*left, size(square))
+         carried = busiest(square, (share**2 - 1)*left, room)
       else
-         carried = busiest(square, share**2*left, max(size(balance%harmonic), least_growth))
+         room = max(1, room - size(balance%harmonic))
+         carried = busiest(square, share**2*left, min(room, max(size(balance%harmonic), least_growth)))
          carried(balance%harmonic) = .true.
       end if
       call carry_sources(balance%system, carried)

@@ -3,7 +3,7 @@
 !> with the spectra of the contact of each mesh: stiffness w, offset sigma, damping d and impulse j (geartrain_mesh_law_spectra).
 module geartrain_balance_mesh_forces
    use geartrain_balance_needed_harmonics, only: needed_harmonics
-   use geartrain_balance_products, only: add_coefficients, find_wave, toeplitz, wave_product
+   use geartrain_balance_products, only: add_coefficients, find_wave, sparse_product, toeplitz, wave_product
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_linalg_fftw, only: transform_type
@@ -19,6 +19,8 @@ module geartrain_balance_mesh_forces
    !> Likewise where harmonics are carried by their amplitudes: the lowest of a sparse set reach no farther than the highest natural
    !> frequency, below which harmonics are coupled strongly.
    integer, parameter :: most_direct_chosen = 160, explicit_of_many_chosen = 80
+   !> Likewise where teeth begin to part in a long period: its samples, or its steps in time, cost more than elimination.
+   integer, parameter :: most_direct_parting = 600
 
    !> The contacts are those at the last `find_forces`.
    type, extends(motion_contacts_type) :: mesh_forces_type
@@ -47,11 +49,13 @@ module geartrain_balance_mesh_forces
       procedure :: setup
       procedure :: find_forces
       procedure :: is_direct
+      procedure :: parts
       procedure :: make_explicit
       procedure :: tangent_product
       procedure :: damping_of
       procedure :: mean_stiffness
       procedure, private :: find_force
+      procedure, private :: stays
       procedure, private :: damp_tangent
       procedure, private :: rate_of
    end type mesh_forces_type
@@ -121,6 +125,10 @@ contains
       do i = 1, self%unknowns
          call self%find_force(i, u(:, i))
       end do
+      if (size(self%harmonic) <= most_direct_chosen .or. .not. (self%chosen .and. self%has_long_period())) return
+      i = explicit_of_many_chosen
+      if (self%parts() .and. size(self%harmonic) <= most_direct_parting) i = size(self%harmonic)
+      if (i > self%explicit .or. self%is_direct() .and. i < self%explicit) call self%make_explicit(i)
    end subroutine find_forces
 
    !> Mean damping over stiffness [1] of an unknown mesh at the last `find_forces`.
@@ -149,6 +157,22 @@ contains
 
       is_direct = self%explicit == size(self%harmonic)
    end function is_direct
+
+   !> Whether a mesh leaves a region of its law at the last `find_forces`.
+   pure logical function parts(self)
+      class(mesh_forces_type), intent(in) :: self
+
+      parts = any(self%contact(:self%unknowns)%events > 0)
+   end function parts
+
+   !> Whether unknown mesh i keeps to a region of its law: its stiffness has but the harmonics of kappa.
+   pure logical function stays(self, i)
+      class(mesh_forces_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      stays = self%has_long_period() .and. self%samples == 0 .and. self%contact(i)%events == 0 &
+              .and. .not. self%contact(i)%law%jumps
+   end function stays
 
    !> Makes `tangent` hold the derivatives at more harmonics, at the last `find_forces`.
    subroutine make_explicit(self, harmonics)
@@ -181,6 +205,8 @@ contains
             do k = 1, self%block
                f = f + u(k)*self%tangent(:, k, i)
             end do
+         else if (self%stays(i)) then
+            call sparse_product(self%harmonic, self%eta*self%contact(i)%law%harmonic, spectra%stiffness, u, f)
          else
             call find_wave(self%harmonic, spectra%stiffness, self%products, self%wave(:, i))
             if (self%contact(i)%law%jumps) &
@@ -271,7 +297,11 @@ contains
       real(dp), intent(out) :: f(:)
       real(dp) :: rate(self%block)
 
-      call wave_product(self%harmonic, self%wave(:, i), x, self%products, f)
+      if (self%stays(i)) then
+         call sparse_product(self%harmonic, self%eta*self%contact(i)%law%harmonic, self%contact(i)%spectra%stiffness, x, f)
+      else
+         call wave_product(self%harmonic, self%wave(:, i), x, self%products, f)
+      end if
       call self%rate_of(i, x, rate, linear=.true.)
       f = f + self%frequency_ratio*rate
    end subroutine tangent_product

@@ -7,7 +7,7 @@ module geartrain_balance_products
    use geartrain_linalg_trigonometric, only: sample
    implicit none (type, external)
    private
-   public :: add_coefficients, driven, find_wave, multiply, tail_force, toeplitz, transform_tail, wave_product
+   public :: add_coefficients, driven, find_wave, multiply, sparse_product, tail_force, toeplitz, transform_tail, wave_product
 
 contains
 
@@ -104,6 +104,71 @@ contains
          f(2*k + 1) = -2*aimag(transform%coefficient(harmonic(k) + 1))/transform%samples
       end do
    end subroutine wave_product
+
+   !> Product of a function of few harmonics with a motion.
+   subroutine sparse_product(harmonic, index, w, x, f)
+      !> Carried harmonics, ascending; harmonics of the function.
+      integer, intent(in) :: harmonic(:), index(:)
+      !> Two-sided coefficients of the function, (0:).
+      complex(dp), intent(in) :: w(0:)
+      !> Coefficients of the motion, (1 + 2*harmonics).
+      real(dp), intent(in) :: x(:)
+      !> Coefficients of the product, (1 + 2*harmonics).
+      real(dp), intent(out) :: f(:)
+      integer :: i, j, k, n
+
+      n = size(harmonic)
+      f = w(0)%re*x
+      do i = 1, size(index)
+         associate (r => index(i))
+            if (r > ubound(w, 1)) cycle
+            ! Harmonics that are r apart make one another.
+            j = 1
+            do k = 1, n
+               do while (j < n .and. harmonic(j) < harmonic(k) + r)
+                  j = j + 1
+               end do
+               if (harmonic(j) < harmonic(k) + r) exit
+               if (harmonic(j) > harmonic(k) + r) cycle
+               call add(k, conjg(w(r))*amplitude(j))
+               call add(j, w(r)*amplitude(k))
+            end do
+            ! Harmonics that add up to r make one another, and r and the mean.
+            j = n
+            do k = 1, n
+               if (harmonic(k) > r) exit
+               if (harmonic(k) == r) then
+                  f(1) = f(1) + real(conjg(w(r))*amplitude(k), dp)
+                  call add(k, 2*w(r)*x(1))
+                  exit
+               end if
+               do while (j > 1 .and. harmonic(j) > r - harmonic(k))
+                  j = j - 1
+               end do
+               if (harmonic(j) == r - harmonic(k)) call add(k, w(r)*conjg(amplitude(j)))
+            end do
+         end associate
+      end do
+
+   contains
+
+      !> Complex amplitude of the motion at carried harmonic m.
+      pure complex(dp) function amplitude(m)
+         integer, intent(in) :: m
+
+         amplitude = cmplx(x(2*m), -x(2*m + 1), dp)
+      end function amplitude
+
+      !> Adds to the product at carried harmonic m.
+      subroutine add(m, term)
+         integer, intent(in) :: m
+         complex(dp), intent(in) :: term
+
+         f(2*m) = f(2*m) + term%re
+         f(2*m + 1) = f(2*m + 1) - term%im
+      end subroutine add
+
+   end subroutine sparse_product
 
    !> Multiplies the waveform in wide%sample with the function; the coefficients of the product are in wide%coefficient.
    subroutine multiply(wide, w)

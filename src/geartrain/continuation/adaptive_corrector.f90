@@ -26,6 +26,9 @@ module geartrain_continuation_adaptive_corrector
    real(dp), parameter :: vanishing = 1e-6_dp
    !> Most harmonics of a set.
    integer, parameter :: largest_set = 2000
+   !> Most harmonics of a set where teeth part in a long period: the motion has thousands of nearly equal amplitudes there, and a
+   !> point would take a minute with them.
+   integer, parameter :: largest_set_parting = 160
 
    type :: adaptive_corrector_type
       !> Settings that the branch is traced with.
@@ -47,6 +50,7 @@ module geartrain_continuation_adaptive_corrector
    contains
       procedure :: prepare, estimate_error, adapt, relax, tell_trouble, vanishes
       procedure, private :: solve_again
+      procedure, private :: largest
    end type adaptive_corrector_type
 
 contains
@@ -122,6 +126,7 @@ contains
       type(solution_point_type) :: before(3)
       integer, allocatable :: first_set(:), larger(:)
       integer :: highest, most, first
+      real(dp) :: share
 
       success = .true.
       if (self%settings%harmonics > 0) return
@@ -136,9 +141,13 @@ contains
          highest = self%corrector%balance%highest
          if (self%estimate%limited <= self%settings%tolerance) return
          if (self%chooses_sets) then
-            if (size(self%corrector%balance%harmonic) >= largest_set) return
-            larger = next_set(self%corrector%balance, solution%u, self%estimate, &
-                              set_share*self%settings%tolerance/self%estimate%limited)
+            share = set_share*self%settings%tolerance/self%estimate%limited
+            associate (now => size(self%corrector%balance%harmonic), most => self%largest())
+               ! A set made where no teeth part may be larger.
+               if (now > 2*most) share = 1 + epsilon(share)
+               if (now >= most .and. now <= 2*most) return
+               larger = next_set(self%corrector%balance, solution%u, self%estimate, share, most)
+            end associate
             call self%prepare(larger(size(larger)), larger)
          else
             if (highest >= most) return
@@ -158,6 +167,14 @@ contains
       call self%solve_again(solution, success, fixed)
       success = .false.
    end subroutine adapt
+
+   !> Most harmonics of a set at the latest solution point.
+   pure integer function largest(self)
+      class(adaptive_corrector_type), intent(in) :: self
+
+      largest = largest_set
+      if (self%corrector%balance%has_long_period() .and. self%corrector%balance%parts()) largest = largest_set_parting
+   end function largest
 
    !> Solves a solution point that has a tangent after its number of harmonics changed: at the same Lambda if `fixed`.
    subroutine solve_again(self, solution, success, fixed)

@@ -31,7 +31,7 @@ module geartrain_continuation_corrector
       !> Lambda and its part of the tangent [1].
       real(dp) :: frequency_ratio = 0, tangent_frequency = 0
       !> Sign of the bordered determinant, in the space in which equal branches move equally: changes along a branch only at a
-      !> branch point or by a jump to another branch; 0: unknown.
+      !> branch point or by a jump to another branch; 0: unknown; +-2: of the linearised train in time, not comparable with +-1.
       integer :: orientation = 0
       !> Signs of the determinants of the parts of the motions in which equal branches do not move so, as bits; negative: unknown.
       integer :: differences = -1
@@ -306,6 +306,7 @@ contains
          solution%orientation = self%fixed%restricted(self%matrix%orientation, self%differences)
       end if
       if (length < 0) solution%orientation = -solution%orientation
+      if (self%matrix%oriented_in_time) solution%orientation = 2*solution%orientation
       solution%tangent_frequency = y/length
    end subroutine find_tangent
 

@@ -8,7 +8,6 @@ module geartrain_continuation_first_motion
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_start, only: begin_trace, motion_at, resting, solution_of
    use geartrain_continuation_tracer, only: reached_end, tracer_type
-   use geartrain_floquet_growth, only: has_long_period
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_orbit_search, only: orbit_search_type
    use geartrain_flow_settling, only: settle
@@ -77,7 +76,7 @@ contains
       solution = resting(tracer, frequency_ratio)
       call tracer%corrector%solve_at(solution, success)
       if (success) return
-      flies = .not. has_long_period(tracer%corrector%balance)
+      flies = .not. tracer%corrector%balance%has_long_period()
       if (flies) then
          state = resting_state(tracer%system)
          integration%harmonics = exact_harmonics(tracer)

@@ -9,7 +9,6 @@ module geartrain_continuation_recorder
    use geartrain_continuation_branch, only: arrange_points, branch_type, widen
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_stability_assessment, only: assess, assess_growth, assessment_type
-   use geartrain_floquet_growth, only: has_long_period
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: power
    use geartrain_linalg_fftw, only: transform_type
@@ -75,7 +74,7 @@ contains
          self%to_their_digits = .false.
          if (present(multipliers)) self%to_their_digits = multipliers
          call self%monodromy%setup(balance%system)
-         whole = self%to_their_digits .or. self%monodromy%is_partial() .or. .not. has_long_period(balance)
+         whole = self%to_their_digits .or. self%monodromy%is_partial() .or. .not. balance%has_long_period()
          if (whole) branch%states = self%monodromy%given
          allocate (self%multipliers(branch%states), branch%stable(0))
          if (whole .and. balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))

@@ -114,7 +114,7 @@ contains
       !> Neighbouring solution points of a branch, with their orientations.
       type(solution_point_type), intent(in) :: here, next
 
-      crosses_branch = here%orientation*next%orientation < 0
+      crosses_branch = here%orientation == -next%orientation .and. here%orientation /= 0
    end function crosses_branch
 
    !> Distance of the branch from the cubic through the ends of a step, in the metric of the branch [1]. It follows from the error

@@ -9,6 +9,7 @@ module geartrain_continuation_tracer
    use geartrain_continuation_crossings, only: add_branch_point, crossing_type, find_crossings
    use geartrain_continuation_growth_changes, only: add_growth_change
    use geartrain_continuation_hidden_changes, only: add_hidden_changes
+   use geartrain_continuation_out_of_reach, only: find_out_of_reach
    use geartrain_continuation_probed_changes, only: add_stability_changes
    use geartrain_continuation_special_points, only: add_special_point, locate_fold
    use geartrain_continuation_stability_changes, only: largest_multiplier
@@ -22,7 +23,8 @@ module geartrain_continuation_tracer
    public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, met_half_period
 
    !> Outcomes of a trace: it reached the target bound; came back to the other bound; closed where it began; passed the amplitude
-   !> limit; was ended by the observer; failed with the smallest step; had max_points; met the branch of half its period.
+   !> limit; was ended by the observer; failed with the smallest step; had max_points, or motions out of reach; met the branch
+   !> of half its period.
    integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, cancelled = 5, stuck = 6, &
                          full = 7, met_half_period = 8
    !> The trace goes on.
@@ -242,6 +244,7 @@ contains
       type(branch_type), intent(in) :: branch
       integer, intent(out) :: outcome
       character(:), allocatable, intent(inout) :: reason
+      character(:), allocatable :: words
       integer :: mesh
 
       associate (n => branch%points, frequency_ratio => branch%frequency_ratio(branch%points))
@@ -262,6 +265,11 @@ contains
          else if (n >= self%settings%max_points) then
             outcome = full
             reason = 'max_points = '//text(self%settings%max_points)//' reached at Lambda = '//text(frequency_ratio)
+         else if (self%chooses_sets .and. self%corrector%balance%has_long_period()) then
+            call find_out_of_reach(branch%error_estimate(:n), self%missed, self%settings%tolerance, frequency_ratio, words)
+            if (.not. allocated(words)) return
+            outcome = full
+            reason = words
          end if
       end associate
    end subroutine find_end

@@ -14,11 +14,10 @@ module geartrain_floquet_growth
    use geartrain_floquet_multipliers, only: neutral
    use geartrain_linalg_lapack, only: dgemm
    use geartrain_model_excitation, only: excited_harmonics
-   use geartrain_model_long_period, only: long_period
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: find_growth, growth_type, has_long_period, shifted_rate
+   public :: find_growth, growth_type, shifted_rate
 
    !> Cycles of the fastest mesh in the first part; the part grows by two until its rate is sure.
    integer, parameter :: first_cycles = 32
@@ -37,14 +36,6 @@ module geartrain_floquet_growth
    end type growth_type
 
 contains
-
-   !> Whether the motions of a train have a period so long that stability is found over a part of it.
-   pure logical function has_long_period(motion)
-      !> A motion of the train.
-      class(motion_contacts_type), intent(in) :: motion
-
-      has_long_period = motion%eta*highest_order(motion%system) > long_period*motion%repeats
-   end function has_long_period
 
    !> Finds the growth rate of a motion.
    subroutine find_growth(monodromy, motion, frequency_ratio, growth)

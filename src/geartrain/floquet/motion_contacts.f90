@@ -1,6 +1,8 @@
 !> A periodic motion as its stability sees it: when each mesh is in which contact.
 module geartrain_floquet_motion_contacts
+   use geartrain_base_kinds, only: dp
    use geartrain_mesh_law_contact, only: contact_type
+   use geartrain_model_long_period, only: long_period
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -22,6 +24,7 @@ module geartrain_floquet_motion_contacts
       type(contact_type), allocatable :: contact(:)
    contains
       procedure :: waves
+      procedure :: has_long_period
    end type motion_contacts_type
 
 contains
@@ -32,5 +35,12 @@ contains
 
       waves = self%eta*(self%system%excitation_order/self%repeats)
    end function waves
+
+   !> Whether the period is so long that nothing should be done for each of its cycles that can be done for fewer.
+   pure logical function has_long_period(self)
+      class(motion_contacts_type), intent(in) :: self
+
+      has_long_period = self%eta*maxval([1.0_dp, self%system%law%order]) > long_period*self%repeats
+   end function has_long_period
 
 end module geartrain_floquet_motion_contacts

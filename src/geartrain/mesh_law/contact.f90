@@ -4,12 +4,16 @@
 module geartrain_mesh_law_contact
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_sampled_root, only: sampled_root
    use geartrain_linalg_trigonometric, only: evaluate, sample
    use geartrain_mesh_law_law, only: law_type
    use geartrain_mesh_law_spectra, only: find_spectra, spectra_type
    implicit none (type, external)
    private
    public :: contact_type
+
+   !> Samples above which events are found between them by the samples alone: those of ten thousand cycles of hunting teeth.
+   integer, parameter :: many_samples = 32768
 
    type :: contact_type
       !> Force law of the mesh.
@@ -101,7 +105,7 @@ contains
    end subroutine update
 
    !> Computes exact spectra of any length with the events of the latest `update`.
-   pure subroutine extend(self, spectra, highest)
+   subroutine extend(self, spectra, highest)
       class(contact_type), intent(in) :: self
       !> Spectra with room from `reserve`.
       type(spectra_type), intent(inout) :: spectra
@@ -230,8 +234,13 @@ contains
             f0 = side*(self%p(q) - wall)
             f1 = side*(self%p(next) - wall)
             if ((f0 > 0) .neqv. (f1 > 0)) then
-               call add_event(self, crossing(self, u, wall, (q - 1)*spacing, q*spacing, [self%p(q), self%p(next)] - wall, &
-                                             [self%slope(q), self%slope(next)]), merge(beyond, inside, f1 > 0), first)
+               if (fine%samples > many_samples) then
+                  turn = (q - 1 + root_at(self, wall, q))*spacing
+               else
+                  turn = crossing(self, u, wall, (q - 1)*spacing, q*spacing, [self%p(q), self%p(next)] - wall, &
+                                  [self%slope(q), self%slope(next)])
+               end if
+               call add_event(self, turn, merge(beyond, inside, f1 > 0), first)
             else if (abs(f0) < spacing*abs(self%slope(q)) .and. abs(f1) < spacing*abs(self%slope(next)) .and. &
                      (self%p(q) - wall)*self%slope(q) < 0 .and. (self%p(q) - wall)*self%slope(next) > 0) then
                call turning(self, u, wall, (q - 1)*spacing, q*spacing, turn, f_turn)
@@ -275,6 +284,17 @@ contains
       self%instant(i) = instant
       self%contact(i) = contact
    end subroutine add_event
+
+   !> Root of p - wall between samples q and q + 1, in spacings of the samples from q on.
+   pure real(dp) function root_at(self, wall, q)
+      class(contact_type), intent(in) :: self
+      real(dp), intent(in) :: wall
+      integer, intent(in) :: q
+      integer :: i, around(6)
+
+      around = [(modulo(q + i - 1, size(self%p)) + 1, i=-2, 3)]
+      root_at = sampled_root(self%p(around) - wall, self%slope(around)*(2*pi/size(self%p)))
+   end function root_at
 
    !> Root of p - wall in [left, right] by Newton's method, kept in the bracket by bisection, from the root of the cubic with the
    !> values `f` of p - wall and the slopes at both ends. The values have different signs.

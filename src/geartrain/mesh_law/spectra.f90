@@ -7,6 +7,7 @@
 !> for the instants of the events, although the damping force may jump at an event.
 module geartrain_mesh_law_spectra
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_linalg_scattered, only: scattered_coefficients
    use geartrain_mesh_law_law, only: law_type
    implicit none (type, external)
    private
@@ -14,6 +15,9 @@ module geartrain_mesh_law_spectra
 
    !> Neighbouring coefficients that are found side by side.
    integer, parameter :: strands = 4
+   !> Events above which the coefficients are found by FFT, for which events and coefficients are not multiplied: those of hunting
+   !> teeth, ten thousand of a hundred thousand each.
+   integer, parameter :: many_events = 400
 
    type :: spectra_type
       !> Fourier coefficients [1], (0:highest). Damping and impulse are allocated only where the force jumps: else all regions have
@@ -54,7 +58,7 @@ contains
    end function mean_damping
 
    !> Computes the coefficients in closed form.
-   pure subroutine find_spectra(law, eta, first, instant, region, spectra, highest)
+   subroutine find_spectra(law, eta, first, instant, region, spectra, highest)
       !> Force law of the mesh.
       type(law_type), intent(in) :: law
       !> Sub-harmonic index, theta = Lambda t/eta; region at theta = 0.
@@ -95,7 +99,7 @@ contains
 
    !> Adds all regions: a jump of size J at theta adds J exp(-i k theta)/(2 pi i k) to coefficient k of chi, then chi is multiplied
    !> with the row of its region.
-   pure subroutine add_pieces(law, harmonic, first, instant, region, n, spectra)
+   subroutine add_pieces(law, harmonic, first, instant, region, n, spectra)
       type(law_type), intent(in) :: law
       !> Indices of the harmonics of kappa; region at theta = 0; highest index.
       integer, intent(in) :: harmonic(:), first, n
@@ -116,12 +120,17 @@ contains
       do i = 1, size(instant)
          if (law%acts(now)) then
             chi(0, now) = chi(0, now) + (instant(i) - last)/(2*pi)
-            call add_jump(-1, instant(i), chi(1:, now))
+            if (size(instant) <= many_events) call add_jump(-1, instant(i), chi(1:, now))
          end if
          last = instant(i)
          now = region(i)
-         if (law%acts(now)) call add_jump(1, instant(i), chi(1:, now))
+         if (law%acts(now) .and. size(instant) <= many_events) call add_jump(1, instant(i), chi(1:, now))
       end do
+      if (size(instant) > many_events) then
+         do s = law%lowest, law%highest
+            if (law%acts(s)) call add_jumps(s, first, instant, region, chi(:, s))
+         end do
+      end if
       if (law%acts(now)) chi(0, now) = chi(0, now) + (2*pi - last)/(2*pi)
       do s = law%lowest, law%highest
          if (.not. law%acts(s)) cycle
@@ -151,6 +160,24 @@ contains
          end do
       end do
    end subroutine add_pieces
+
+   !> Adds all jumps of chi of region s as `add_jump` does, to coefficients from index 1 on.
+   subroutine add_jumps(s, first, instant, region, chi)
+      !> The region, and the region at theta = 0.
+      integer, intent(in) :: s, first
+      real(dp), intent(in) :: instant(:)
+      integer, intent(in) :: region(:)
+      !> Coefficients, (0:).
+      complex(dp), intent(inout) :: chi(0:)
+      complex(dp), allocatable :: total(:)
+      real(dp), allocatable :: jump(:)
+
+      jump = real(merge(1, 0, region == s) - merge(1, 0, [first, region(:size(region) - 1)] == s), dp)
+      if (.not. any(abs(jump) > 0)) return
+      allocate (total(0:ubound(chi, 1)))
+      call scattered_coefficients(instant, jump, total)
+      chi(1:) = chi(1:) + total(1:)*cmplx(0, -1/(2*pi), dp)
+   end subroutine add_jumps
 
    !> Adds a jump of chi at theta, without the division of each coefficient by its index. Products of `strands` neighbours do not
    !> wait for each other.

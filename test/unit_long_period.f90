@@ -1,0 +1,76 @@
+!> What is computed in other ways over a period of thousands of mesh cycles, against the ways of short periods.
+module unit_long_period
+   use fixtures, only: update_contact
+   use geartrain, only: dp
+   use geartrain_balance_products, only: sparse_product, toeplitz
+   use geartrain_mesh_law_contact, only: contact_type
+   use geartrain_mesh_law_law, only: law_type
+   use geartrain_model_mesh, only: mesh_type, put_law
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: long_period_tests
+
+contains
+
+   subroutine long_period_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      if (tests%runs('many_events')) call many_events(tests)
+      if (tests%runs('few_harmonics')) call few_harmonics(tests)
+   end subroutine long_period_tests
+
+   !> A cycle repeated 5000 times has 20,000 events, found from samples alone, and spectra by FFT: those of the cycle, found by
+   !> Newton's method and sums over the events, at every 5000th harmonic, and 0 elsewhere. With eight samples in a period of the
+   !> highest harmonic, which has a quarter of the amplitude, the polynomial of degree 11 is off by up to 1e-9.
+   subroutine many_events(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: cycles = 5000, highest = 3
+      real(dp), parameter :: u(5) = [0.1_dp, 2.5_dp, -1.0_dp, 0.6_dp, 0.4_dp]
+      type(contact_type) :: one, many
+      complex(dp) :: expected(0:cycles*highest)
+
+      call prepare(one, 1)
+      call prepare(many, cycles)
+      call tests%is_true(one%events > 0 .and. many%events == cycles*one%events, 'each cycle has its events')
+      call tests%is_close(maxval(abs(many%instant(:one%events)*cycles - one%instant(:one%events))), 0.0_dp, 1e-9_dp, &
+                          'events of the first cycle')
+      expected = 0
+      expected(::cycles) = one%spectra%stiffness(:highest)
+      call tests%is_close(maxval(abs(many%spectra%stiffness(:cycles*highest) - expected)), 0.0_dp, 1e-10_dp, 'stiffness')
+      expected(::cycles) = one%spectra%offset(:highest)
+      call tests%is_close(maxval(abs(many%spectra%offset(:cycles*highest) - expected)), 0.0_dp, 1e-10_dp, 'offset')
+
+   contains
+
+      subroutine prepare(contact, order)
+         type(contact_type), intent(inout) :: contact
+         integer, intent(in) :: order
+         type(law_type) :: law
+
+         call put_law(mesh_type(order=order, stiffness=1.0_dp, half_backlash=1.0_dp, stiffness_cos=[0.3_dp, -0.05_dp], &
+                                stiffness_sin=[-0.1_dp, -0.2_dp]), 1.0_dp, law)
+         call law%complete(0.0_dp)
+         call contact%setup(law, 1, order*[1, 2], order*highest, 0)
+         call update_contact(contact, u)
+      end subroutine prepare
+
+   end subroutine many_events
+
+   !> A stiffness of two harmonics times a motion: the matrix of the product and the product by neighbours.
+   subroutine few_harmonics(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: harmonic(8) = [2, 3, 5, 7, 10, 12, 14, 17], stiffness(2) = [7, 14]
+      complex(dp) :: w(0:34)
+      real(dp) :: x(17), f(17), matrix(17, 17)
+
+      w = 0
+      w(0) = 0.8_dp
+      w(stiffness) = [(0.3_dp, -0.2_dp), (-0.1_dp, 0.05_dp)]
+      call random_number(x)
+      call toeplitz(harmonic, w, matrix)
+      call sparse_product(harmonic, stiffness, w, x, f)
+      call tests%is_close(maxval(abs(f - matmul(matrix, x))), 0.0_dp, 1e-14_dp, 'product by neighbours')
+   end subroutine few_harmonics
+
+end module unit_long_period
