@@ -6,9 +6,9 @@ module geartrain_linalg_sampled_root
    private
    public :: sampled_root
 
-   !> Nodes of the polynomial, each with value and slope.
-   integer, parameter :: node(6) = [-2, -1, 0, 1, 2, 3]
-   integer, parameter :: terms = 2*size(node)
+   !> Nodes of the polynomial, each twice: with value and slope.
+   integer, parameter :: node(*) = [-2, -2, -1, -1, 0, 0, 1, 1, 2, 2, 3, 3]
+   integer, parameter :: terms = size(node)
 
 contains
 
@@ -44,12 +44,10 @@ contains
       real(dp), intent(out) :: c(:)
       integer :: k, order, gap
 
-      do k = 1, terms
-         c(k) = value((k + 1)/2)
-      end do
+      c = [(value(k), value(k), k=1, size(value))]
       do order = 1, terms - 1
          do k = terms, order + 1, -1
-            gap = node((k + 1)/2) - node((k - order + 1)/2)
+            gap = node(k) - node(k - order)
             if (gap == 0) then
                c(k) = slope(k/2)
             else
@@ -67,8 +65,8 @@ contains
       f = c(terms)
       rate = 0
       do k = terms - 1, 1, -1
-         rate = f + rate*(t - node((k + 1)/2))
-         f = c(k) + f*(t - node((k + 1)/2))
+         rate = f + rate*(t - node(k))
+         f = c(k) + f*(t - node(k))
       end do
    end subroutine evaluate_polynomial
 
