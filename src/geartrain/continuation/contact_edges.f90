@@ -194,10 +194,12 @@ contains
          type(solution_point_type), intent(in) :: solution
          integer, intent(in) :: j
          logical, intent(in) :: back
-         real(dp) :: coefficients(tracer%corrector%balance%block, branch%meshes), smallest, largest
+         real(dp) :: smallest, largest
 
-         call tracer%corrector%balance%full_coefficients(solution%u, coefficients)
-         call extremes(coefficients(:, j), tracer%corrector%balance%harmonic, transform, smallest, largest)
+         ! A mesh with backlash is an unknown of the balance.
+         associate (balance => tracer%corrector%balance)
+            call extremes(solution%u(:, findloc(balance%mesh, j, 1)), balance%harmonic, transform, smallest, largest)
+         end associate
          depth_at = depth_below(smallest, largest, gap_at(solution, j), back)
       end function depth_at
 
