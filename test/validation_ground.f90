@@ -108,6 +108,7 @@ contains
       type(train_type) :: one, two
       type(branch_type) :: a, b
       type(error_type), allocatable :: error
+      integer :: i
 
       one = ring()
       one%bodies(2)%damping_to_ground = 0.4_dp
@@ -131,7 +132,11 @@ contains
       call response(two, settings_of(0.9_dp, 1.3_dp, 6), b, error)
       call tests%is_true(.not. allocated(error) .and. a%points == b%points, 'damping on a rigid shaft: as many points')
       if (allocated(error) .or. a%points /= b%points) return
-      call tests%is_close(maxval(abs(a%rms - b%rms)), 0.0_dp, 1e-11_dp, 'damping on a rigid shaft: rms')
+      ! Steps end where rounding lets them: compared is the branch, not the place on it.
+      do i = 1, a%meshes
+         b%rms(i, :) = b%rms(i, :) + b%rms_slope(i, :)*(a%arclength - b%arclength)
+      end do
+      call tests%is_close(maxval(abs(a%rms(:, :a%points) - b%rms(:, :b%points))), 0.0_dp, 1e-11_dp, 'damping on a rigid shaft: rms')
       call tests%is_true(a%states == 11, 'damping on a rigid shaft: twice five coordinates and one')
    end subroutine rigid_parts
 

@@ -1,5 +1,6 @@
 """Long work: Ctrl-C, threads, the global lock, and what is left behind."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -135,6 +136,7 @@ def test_quick_work_does_not_wait(train, monkeypatch):
 
 
 def test_every_box_is_closed(train, monkeypatch):
+    gc.collect()  # boxes of tests before
     open_boxes = set()
 
     class Counted:
