@@ -6,10 +6,10 @@ Reads ``fig03.h5`` and ``fig03_linear.h5`` (the same train without backlash) and
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 import geartrain as gt
@@ -43,11 +43,10 @@ def draw_figure(folder: Path, dpi: int = 160) -> Path:
     import matplotlib.pyplot as plt
     from matplotlib.lines import Line2D
 
-    with h5py.File(folder / "fig03.h5") as file, h5py.File(folder / "fig03_linear.h5") as linear_file:
-        curve = _read(file["response"])
-        marks = _read(file["integration"]) if "integration" in file else None
-        linear = _read(linear_file["response"])
-        linear_marks = _read(linear_file["integration"]) if "integration" in linear_file else None
+    results, without_backlash = (gt.read_results(folder / name) for name in ("fig03.h5", "fig03_linear.h5"))
+    curve, linear = results.response, without_backlash.response
+    assert curve and linear
+    marks, linear_marks = results.integration, without_backlash.integration
     with plt.rc_context(STYLE):
         figure, axes = plt.subplots(2, 1, figsize=(8.0, 7.6), sharex=True, layout="constrained")
         for mesh, ax in enumerate(axes):
@@ -79,38 +78,25 @@ _LINEAR_MARKS: dict[str, Any] = {**_MARKS, "ms": 1.8, "mec": "0.35", "mew": 0.5}
 def _draw_panel(
     ax: Axes,
     mesh: int,
-    curve: dict[str, Any],
-    linear: dict[str, Any],
-    marks: dict[str, Any] | None,
-    linear_marks: dict[str, Any] | None,
+    curve: gt.Branch,
+    linear: gt.Branch,
+    marks: gt.Sweep | None,
+    linear_marks: gt.Sweep | None,
 ) -> None:
-    _draw_curve(ax, linear, mesh, color=_GREY, lw=1.0)
-    _draw_curve(ax, curve, mesh, color=_BLUE, lw=2.2)
+    for branch, color, width in ((linear, _GREY, 1.0), (curve, _BLUE, 2.2)):
+        replace(branch, branches=[]).plot(mesh + 1, ax, color=color, lw=width)
     if linear_marks is not None:
-        ax.plot(linear_marks["frequency"], linear_marks["rms"][:, mesh], **_LINEAR_MARKS)
+        ax.plot(linear_marks.frequency, linear_marks.rms[:, mesh], **_LINEAR_MARKS)
     if marks is not None:
-        for chosen, style in ((marks["period"] == 1, _MARKS), (marks["period"] > 1, _OTHER_MARKS)):
-            ax.plot(marks["frequency"][chosen], marks["rms"][chosen, mesh], **style)
-    top = curve["rms"][:, mesh].max() if marks is None else max(curve["rms"][:, mesh].max(), marks["rms"][:, mesh].max())
+        period = np.array([motion.period for motion in marks])
+        for chosen, style in ((period == 1, _MARKS), (period > 1, _OTHER_MARKS)):
+            ax.plot(marks.frequency[chosen], marks.rms[chosen, mesh], **style)
+    top = max(found.rms[:, mesh].max() for found in (curve, marks) if found is not None)
+    ax.set_xlabel("")
     ax.set_xlim(0.2, 2.6)
     ax.set_ylim(0.0, 1.12 * top)
     ax.set_ylabel(rf"rms of $p_{2 * (mesh + 1)} / b_c$")
     ax.set_title(f"({'ab'[mesh]})  mesh {mesh + 1}", loc="left", fontsize=12, fontweight="bold")
-
-
-def _draw_curve(ax: Axes, curve: dict[str, Any], mesh: int, **style: Any) -> None:
-    """Stable solid, unstable dashed: each line goes on to the first point of the other kind."""
-    for part in np.unique(curve["segment"]):
-        frequency, rms, stable = (curve[name][curve["segment"] == part] for name in ("frequency", "rms", "stable"))
-        for shown, dashes in ((stable == 1, "-"), (stable == 0, (0, (3, 1.5)))):
-            reached = shown | np.append(False, shown[:-1])
-            ax.plot(frequency, np.where(reached, rms[:, mesh], np.nan), ls=dashes, **style)
-
-
-def _read(group: Any) -> dict[str, Any]:
-    """The arrays that are drawn; None for those that the group lacks."""
-    names = ("frequency", "rms", "stable", "segment", "period")
-    return {name: np.asarray(group[name]) if name in group else None for name in names}
 
 
 def main(arguments: list[str]) -> int:
@@ -120,7 +106,7 @@ def main(arguments: list[str]) -> int:
         return 2
     try:
         print(draw_figure(Path(arguments[0])))
-    except (OSError, KeyError) as error:
+    except (OSError, gt.InputError) as error:
         print(f"figure3: {error}", file=sys.stderr)
         return 4
     return 0
