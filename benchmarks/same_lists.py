@@ -2,9 +2,9 @@
 
     python benchmarks/same_lists.py OLD NEW [--trains 200] [--folder FOLDER] [--harmonics N]
 
-The branches are those of the cases in ``namelists``, of the paper's cases and of random trains (``test/python/random_trains.py``).
-What one executable lists and the other does not is printed, with the number of points of the branches, and so is each difference
-above 1e-8. A third run of OLD with a tenth of the step tells which of the two is right: "fine" says whether it lists the item.
+The cases are those in ``namelists``, the paper's cases and random trains (``test/python/random_trains.py``). The program prints
+each item that only one executable lists, each difference above 1e-8, and the number of points of all branches. A third run of OLD
+with a tenth of the step decides which executable is right: "fine has it" or "fine lacks it" is its answer.
 """
 
 from __future__ import annotations

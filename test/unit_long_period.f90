@@ -1,7 +1,7 @@
 !> What is computed in other ways over a period of thousands of mesh cycles, against the ways of short periods.
 module unit_long_period
-   use fixtures, only: update_contact
-   use geartrain, only: dp
+   use fixtures, only: paper_train, settings_of, update_contact
+   use geartrain, only: branch_type, dp, error_type, response, response_settings_type, train_type
    use geartrain_balance_products, only: sparse_product, toeplitz
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
@@ -18,6 +18,7 @@ contains
 
       if (tests%runs('many_events')) call many_events(tests)
       if (tests%runs('few_harmonics')) call few_harmonics(tests)
+      if (tests%runs('no_multipliers')) call no_multipliers(tests)
    end subroutine long_period_tests
 
    !> A cycle repeated 5000 times has 20,000 events, found from samples alone, and spectra by FFT: those of the cycle, found by
@@ -56,6 +57,27 @@ contains
       end subroutine prepare
 
    end subroutine many_events
+
+   !> A branch over a long period has growth rates and no multipliers: nothing that ends the trace looks for them, which the bounds
+   !> of the debug build show.
+   subroutine no_multipliers(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(response_settings_type) :: settings
+      type(branch_type) :: branch
+      type(error_type), allocatable :: error
+
+      train = paper_train(0.1_dp)
+      train%meshes%order = [503, 509]
+      train%meshes%half_backlash = 0
+      settings = settings_of(0.9_dp/503, 0.92_dp/503, 0)
+      settings%tolerance = 1e-2_dp
+      settings%max_points = 6
+      call response(train, settings, branch, error)
+      call tests%is_true(.not. allocated(error) .and. branch%points > 2 .and. branch%states == 0, 'a branch without multipliers')
+      if (allocated(error)) return
+      call tests%is_true(all(branch%growth_rate(:branch%points) < 0 .and. branch%stable(:branch%points)), 'growth rates')
+   end subroutine no_multipliers
 
    !> A stiffness of two harmonics times a motion: the matrix of the product and the product by neighbours.
    subroutine few_harmonics(tests)

@@ -41,6 +41,7 @@ contains
       type(special_point_type), allocatable :: listed(:)
       integer :: i
 
+      if (branch%states == 0) return
       listed = branch%special_points
       do i = max(1, first), min(last, branch%points - 1)
          call add_in_step(corrector, monodromy, i, branch)

@@ -182,7 +182,7 @@ contains
             reason = 'the branch is lost at Lambda = '//text(here%frequency_ratio)
             return
          end if
-         if (branch%states > 0 .and. self%recorder%stability .and. .not. self%vanishes()) then
+         if (self%recorder%stability .and. .not. self%vanishes()) then
             ! Of the steps that now have a point after them, the one to a fold included.
             associate (n => branch%points)
                call add_hidden_changes(self%corrector, self%recorder%monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
