@@ -2,10 +2,13 @@
 module unit_long_period
    use fixtures, only: paper_train, settings_of, update_contact
    use geartrain, only: branch_type, dp, error_type, response, response_settings_type, train_type
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_bordered_system, only: bordered_system_type
    use geartrain_balance_products, only: sparse_product, toeplitz
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_mesh, only: mesh_type, put_law
+   use geartrain_model_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -19,6 +22,7 @@ contains
       if (tests%runs('many_events')) call many_events(tests)
       if (tests%runs('few_harmonics')) call few_harmonics(tests)
       if (tests%runs('no_multipliers')) call no_multipliers(tests)
+      if (tests%runs('teeth_part')) call teeth_part(tests)
    end subroutine long_period_tests
 
    !> A cycle repeated 5000 times has 20,000 events, found from samples alone, and spectra by FFT: those of the cycle, found by
@@ -78,6 +82,46 @@ contains
       if (allocated(error)) return
       call tests%is_true(all(branch%growth_rate(:branch%points) < 0 .and. branch%stable(:branch%points)), 'growth rates')
    end subroutine no_multipliers
+
+   !> Where teeth part between two motions the factors of one do not fit the other, whose harmonics are all explicit: a solution is
+   !> one of the linearised balance of the motion that was evaluated last.
+   subroutine teeth_part(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(system_type), target :: system
+      type(balance_type) :: balance
+      type(bordered_system_type) :: matrix
+      real(dp), allocatable :: u(:, :), b(:, :), x(:, :), product(:, :)
+      real(dp) :: y
+      logical :: regular
+      integer :: change, k
+
+      train = paper_train(0.1_dp)
+      train%meshes%order = [503, 509]
+      call build_system(train, system)
+      call balance%setup(system, 200, 1, 0, [(k, k=1, 200)])
+      call matrix%setup(balance)
+      allocate (u(balance%block, balance%unknowns), source=0.0_dp)
+      allocate (b, x, product, mold=u)
+      do change = 1, 2
+         u(1, :) = system%half_backlash(balance%mesh) + 0.5_dp
+         u(2:3, 1) = merge(0.0_dp, 1.0_dp, change == 1)
+         call balance%evaluate(u, 0.9_dp/503)
+         call matrix%linearize(balance)
+         matrix%row = 0
+         matrix%corner = 1
+         call matrix%factor(balance, regular)
+         u(2:3, 1) = merge(1.0_dp, 0.0_dp, change == 1)
+         call balance%evaluate(u, 0.9_dp/503)
+         call random_number(b)
+         x = b
+         y = 0
+         call matrix%solve(balance, x, y)
+         call balance%apply(x, product)
+         call tests%is_true(regular .and. (balance%parts() .eqv. change == 1), 'teeth part in the motion evaluated last')
+         call tests%is_close(maxval(abs(product + y*matrix%column - b)), 0.0_dp, 1e-3_dp, 'solution of the linearised balance')
+      end do
+   end subroutine teeth_part
 
    !> A stiffness of two harmonics times a motion: the matrix of the product and the product by neighbours.
    subroutine few_harmonics(tests)

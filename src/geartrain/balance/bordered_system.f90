@@ -19,7 +19,7 @@ module geartrain_balance_bordered_system
    real(dp), parameter :: tolerance = 1e-10_dp
    integer, parameter :: most_iterations = 40, most_iterations_in_time = 100, most_iterations_in_contact = 200
    !> Least residual with the linearised train in time as preconditioner: a tangent need not be more exact.
-   real(dp), parameter :: tolerance_in_time = 1e-5_dp
+   real(dp), parameter :: tolerance_in_time = 1e-4_dp
 
    type :: bordered_system_type
       !> Border column and row, (block, unknown), and their corner: the caller sets row and corner between `linearize` and
@@ -41,6 +41,8 @@ module geartrain_balance_bordered_system
       logical, private :: flows = .false., suits_flow = .false.
       !> The period is long, and solutions are as exact as with the linearised train in time.
       logical, private :: has_long_period = .false.
+      !> Number of explicit harmonics that the factors are of.
+      integer, private :: factored = 0
       !> Iterations of GMRES after which other ways are taken.
       integer, private :: most = most_iterations
       !> Orthonormal basis of GMRES, (block, unknown, vector), and its entries in the border row, (vector).
@@ -53,6 +55,7 @@ module geartrain_balance_bordered_system
       procedure :: solve
       procedure :: solves_in_time
       procedure :: solve_tail
+      procedure, private :: factor_again
       procedure, private :: factor_tail
       procedure, private :: precondition
       procedure, private :: iterate
@@ -113,6 +116,7 @@ contains
       integer :: info
 
       self%oriented_in_time = self%flows
+      self%factored = balance%explicit
       if (self%flows) then
          call self%flow%factor(balance, self%column, self%row, self%corner, regular)
          self%orientation = self%flow%orientation
@@ -130,7 +134,7 @@ contains
    end subroutine factor
 
    !> Solves in place.
-   subroutine solve(self, balance, x, y, accuracy)
+   recursive subroutine solve(self, balance, x, y, accuracy, near, near_y)
       class(bordered_system_type), intent(inout) :: self
       !> Balance as at `factor`; gets more explicit harmonics where GMRES does not converge.
       type(balance_type), intent(inout) :: balance
@@ -139,36 +143,64 @@ contains
       real(dp), intent(inout) :: x(:, :), y
       !> Residual relative to the right-hand side at which GMRES ends [1]; 1e-10 unless it is given, and at least.
       real(dp), intent(in), optional :: accuracy
-      real(dp) :: enough
-      integer :: held
-      logical :: done, held_in_time, regular
+      !> A guess of the solution, (block, unknown), and its entry in the border row, from which GMRES begins where it is one.
+      real(dp), intent(in), optional :: near(:, :), near_y
+      real(dp) :: enough, rest(size(x, 1), size(x, 2)), rest_y, share
+      logical :: done, regular
 
+      regular = .true.
+      ! A motion whose teeth part, or part no more, has another number of explicit harmonics than the one before.
+      if (balance%explicit /= self%factored) call self%factor_again(balance, regular)
       enough = tolerance
       if (self%flows .or. self%has_long_period) enough = tolerance_in_time
       if (present(accuracy)) enough = max(enough, accuracy)
+      if (present(near) .and. regular .and. .not. balance%is_direct()) then
+         call balance%apply(near, rest)
+         rest = x - rest - near_y*self%column
+         rest_y = y - sum(self%row*near) - self%corner*near_y
+         share = sqrt((sum(rest**2) + rest_y**2)/(sum(x**2) + y**2))
+         if (share < 1) then
+            call self%solve(balance, rest, rest_y, enough/share)
+            x = near + rest
+            y = near_y + rest_y
+            return
+         end if
+      end if
       self%iterations = 0
-      do while (.not. balance%is_direct())
+      do while (regular .and. .not. balance%is_direct())
          call self%iterate(balance, enough, x, y, done)
          if (done) return
          regular = .not. balance%system%interrupt%raised()
-         if (regular) then
-            if (.not. self%flows) call balance%make_explicit(2*balance%explicit)
-            self%flows = .false.
-            call balance%jacobian(self%lowest)
-            held = self%orientation
-            held_in_time = self%oriented_in_time
-            call self%factor(balance, regular)
-            if (self%suits_flow) self%orientation = held
-            if (self%suits_flow) self%oriented_in_time = held_in_time
-         end if
-         if (.not. regular) then
-            y = ieee_value(y, ieee_quiet_nan)
-            x = y
-            return
-         end if
+         if (.not. regular) exit
+         if (.not. self%flows) call balance%make_explicit(2*balance%explicit)
+         call self%factor_again(balance, regular)
       end do
-      call self%lowest%solve(x, y)
+      if (regular) then
+         call self%lowest%solve(x, y)
+      else
+         y = ieee_value(y, ieee_quiet_nan)
+         x = y
+      end if
    end subroutine solve
+
+   !> Factors for the number of explicit harmonics that the balance has now, without the linearised train in time. Where that suits
+   !> the train the orientation is kept: the two are not comparable.
+   subroutine factor_again(self, balance, regular)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      !> Whether the matrix of the explicit harmonics is regular; false also after an interrupt.
+      logical, intent(out) :: regular
+      integer :: held
+      logical :: held_in_time
+
+      self%flows = .false.
+      call balance%jacobian(self%lowest)
+      held = self%orientation
+      held_in_time = self%oriented_in_time
+      call self%factor(balance, regular)
+      if (self%suits_flow) self%orientation = held
+      if (self%suits_flow) self%oriented_in_time = held_in_time
+   end subroutine factor_again
 
    !> Whether the linearised train in time is at hand, which knows all harmonics.
    pure logical function solves_in_time(self)

@@ -7,8 +7,8 @@
 !> what the carried harmonics and the steps differ from that. Harmonics up to the natural frequencies of the meshes are coupled
 !> strongly where teeth separate; eliminated together they would cost the cube of their number, here they cost their number.
 module geartrain_balance_linear_flow
+   use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_balance_balance, only: balance_type
-   use geartrain_balance_flow_steps, only: add_influence, segments, take_steps
    use geartrain_balance_products, only: find_wave
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
@@ -21,31 +21,35 @@ module geartrain_balance_linear_flow
 
    !> Longest step over the time in which the fastest mesh vibrates by 1 rad.
    real(dp), parameter :: longest = 0.8_dp
-   !> Fours of steps fill the segments.
+   !> Number of segments of a period (flow_steps.c); fours of steps fill them.
+   integer, parameter :: segments = 8
    integer, parameter :: least_samples = 1024
    !> A step costs the square of the number of elements.
    integer, parameter :: most_elements = 24
 
    type :: linear_flow_type
-      integer :: elements = 0
+      !> Numbers of elements and of steps of a segment.
+      integer :: elements = 0, steps = 0
       !> Length of a step, dimensionless time.
       real(dp) :: h = 0
       !> Element of each unknown mesh, (unknown).
       integer, allocatable :: element(:)
       !> Stiffness of the linear elements, 0 of unknown meshes, and damping, (element).
       real(dp), allocatable :: spring(:), damper(:)
-      !> W_mn of each neighbour m of element n [1], (neighbour).
-      real(dp), allocatable :: back(:)
+      !> Velocity that a force on the second element takes from the first in a step, (element, element).
+      real(dp), allocatable :: mass(:, :)
       !> Damping of each unknown mesh over twice the length of a step, (unknown).
       real(dp), allocatable :: drag(:)
-      !> Stiffness along the motion and border row as weights of the samples of y, (sample, unknown).
-      real(dp), allocatable :: stiffness(:, :), row(:, :)
-      !> Force by the right-hand side and by the border column, and the displacement y, (sample, unknown).
-      real(dp), allocatable :: force(:, :), column_force(:, :), y(:, :)
+      !> Stiffness along the motion, (sample, unknown).
+      real(dp), allocatable :: wave(:, :)
+      !> The same, and border row as weights of the samples of y, (segment, step, unknown).
+      real(dp), allocatable :: stiffness(:, :, :), row(:, :, :)
+      !> Force by the right-hand side and by the border column, and the displacement y, (segment, step, unknown).
+      real(dp), allocatable :: force(:, :, :), column_force(:, :, :), y(:, :, :)
       !> End state of a segment and entry in the border row per force on an unknown mesh at a step,
-      !> (2*elements + 1, sample, unknown); by the state at the beginning of a segment, (2*elements + 1, 2*elements, segment).
-      real(dp), allocatable :: influence(:, :, :), map(:, :, :)
-      !> End states and entries in the border row by `column_force`, (2*elements + 1, segment).
+      !> (segment, 2*elements + 1, step, unknown); by the state at its beginning, (segment, 2*elements + 1, 2*elements).
+      real(dp), allocatable :: influence(:, :, :, :), map(:, :, :)
+      !> End states and entries in the border row by `column_force`, (segment, 2*elements + 1).
       real(dp), allocatable :: column_added(:, :)
       !> Factors of the equations of state at the beginning and the entry in the border row.
       real(dp), allocatable :: matrix(:, :)
@@ -66,6 +70,47 @@ module geartrain_balance_linear_flow
       procedure, private :: press
       procedure, private :: join
    end type linear_flow_type
+
+   ! flow_steps.c
+   interface
+      pure subroutine transpose_steps(rows, columns, from, to) bind(c, name='geartrain_transpose')
+         import :: c_double, c_int
+         implicit none (type, external)
+         integer(c_int), value :: rows, columns
+         real(c_double), intent(in) :: from(*)
+         real(c_double), intent(inout) :: to(*)
+      end subroutine transpose_steps
+
+      pure subroutine take_steps(elements, unknowns, steps, element, h, mass, spring, damper, stiffness, drive, p, v, y) &
+         bind(c, name='geartrain_flow_steps')
+         import :: c_double, c_int
+         implicit none (type, external)
+         integer(c_int), value :: elements, unknowns, steps
+         real(c_double), value :: h
+         integer(c_int), intent(in) :: element(*)
+         real(c_double), intent(in), dimension(*) :: mass, spring, damper, stiffness, drive
+         real(c_double), intent(inout), dimension(*) :: p, v, y
+      end subroutine take_steps
+
+      pure subroutine add_influence(states, steps, influence, force, added) bind(c, name='geartrain_add_influence')
+         import :: c_double, c_int
+         implicit none (type, external)
+         integer(c_int), value :: states, steps
+         real(c_double), intent(in), dimension(*) :: influence, force
+         real(c_double), intent(inout), dimension(*) :: added
+      end subroutine add_influence
+
+      pure subroutine take_steps_back(elements, unknowns, steps, functionals, element, h, mass, spring, damper, stiffness, row, p, &
+                                      v, force, influence) bind(c, name='geartrain_carry_back')
+         import :: c_double, c_int
+         implicit none (type, external)
+         integer(c_int), value :: elements, unknowns, steps, functionals
+         real(c_double), value :: h
+         integer(c_int), intent(in) :: element(*)
+         real(c_double), intent(in), dimension(*) :: mass, spring, damper, stiffness, row
+         real(c_double), intent(inout), dimension(*) :: p, v, force, influence
+      end subroutine take_steps_back
+   end interface
 
 contains
 
@@ -97,9 +142,10 @@ contains
          u = 2*row(:, i)
          u(1) = row(1, i)
          call sample(u, balance%harmonic, self%transform)
-         self%row(:, i) = self%transform%sample/self%transform%samples
+         self%transform%sample = self%transform%sample/self%transform%samples
+         call transpose_steps(self%steps, segments, self%transform%sample, self%row(:, :, i))
       end do
-      call self%carry_back(balance%system)
+      call self%carry_back()
       self%matrix = 0
       do i = 1, n
          added = 0
@@ -131,12 +177,12 @@ contains
       real(dp), intent(in) :: column(:, :), row(:, :)
       !> Right-hand side, afterwards the solution, (block, unknown), and its entry in the border row.
       real(dp), intent(inout) :: x(:, :), y
-      real(dp) :: added(2*self%elements + 1, segments)
+      real(dp) :: added(segments, 2*self%elements + 1)
       integer :: i
 
       call self%find_force(balance, x, self%force, added)
       y = y - sum(row(2:, :)*x(2:, :))
-      call self%close_period(balance%system, added, y)
+      call self%close_period(added, y)
       x = x - y*column
       x(1, :) = 0
       do i = 1, balance%unknowns
@@ -158,7 +204,7 @@ contains
       complex(dp), intent(inout) :: tail(:, :)
       !> Solution at the carried harmonics, (block, unknown), and the entry in the border row.
       real(dp), intent(out) :: x(:, :), y
-      real(dp) :: added(2*self%elements + 1, segments)
+      real(dp) :: added(segments, 2*self%elements + 1)
       integer :: i, known
 
       known = count(harmonic < self%transform%samples/2)
@@ -169,10 +215,10 @@ contains
             t%coefficient(harmonic(:known) + 1) = tail(:known, i)/2
             call t%to_samples()
          end associate
-         call self%press(i, 0.0_dp, self%force(:, i), added)
+         call self%press(i, 0.0_dp, self%force(:, :, i), added)
       end do
       y = 0
-      call self%close_period(balance%system, added, y)
+      call self%close_period(added, y)
       x = -y*column
       x(1, :) = 0
       do i = 1, balance%unknowns
@@ -189,7 +235,8 @@ contains
       integer :: k
 
       associate (t => self%transform)
-         t%sample = self%y(:, i)/t%samples
+         call transpose_steps(segments, self%steps, self%y(:, :, i), t%sample)
+         t%sample = t%sample/t%samples
          call t%to_coefficients()
          x(1) = x(1) + t%coefficient(1)%re
          do k = 1, size(harmonic)
@@ -200,10 +247,9 @@ contains
    end subroutine add_path
 
    !> Finds the displacement under `force` that the period brings back to itself.
-   subroutine close_period(self, system, added, y)
+   subroutine close_period(self, added, y)
       class(linear_flow_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      !> What the force adds in each segment, (2*elements + 1, segment).
+      !> What the force adds in each segment, (segment, 2*elements + 1).
       real(dp), intent(inout) :: added(:, :)
       !> Right-hand side of the border row without the part of `force`, afterwards the multiple of the border column.
       real(dp), intent(inout) :: y
@@ -218,7 +264,7 @@ contains
       y = b(n + 1, 1)
       self%force = self%force - y*self%column_force
       added = added - y*self%column_added
-      call self%carry(system, b(:n, 1), added)
+      call self%carry(b(:n, 1), added)
    end subroutine close_period
 
    !> Chooses the steps and finds what they need. Steps of this length change frequency and decay of a vibration: stiffness and
@@ -226,9 +272,8 @@ contains
    subroutine prepare(self, balance)
       class(linear_flow_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
-      real(dp) :: fastest, period, share(balance%system%elements), decay, omega
-      real(dp), allocatable :: wave(:)
-      integer :: i, j, k, n, samples
+      real(dp) :: fastest, period, decay, omega
+      integer :: i, n, samples
 
       associate (system => balance%system, e => balance%system%elements, u => balance%unknowns)
          self%elements = e
@@ -241,50 +286,73 @@ contains
          samples = max(transform_length(max(4*balance%highest + 2, ceiling(period*fastest/longest))), least_samples)
          if (self%transform%samples /= samples .or. .not. allocated(self%force)) then
             call self%transform%plan(samples)
-            if (allocated(self%force)) deallocate (self%force, self%column_force, self%y, self%stiffness, self%row, self%influence)
-            allocate (self%force(samples, u), self%column_force(samples, u), self%y(samples, u), self%stiffness(samples, u), &
-                      self%row(samples, u), self%influence(2*e + 1, samples, u))
+            self%steps = samples/segments
+            if (allocated(self%force)) deallocate (self%wave, self%force, self%column_force, self%y, self%stiffness, self%row, &
+                                                   self%influence)
+            allocate (self%wave(samples, u), self%influence(segments, 2*e + 1, self%steps, u))
+            allocate (self%force(segments, self%steps, u), self%column_force(segments, self%steps, u), &
+                      self%y(segments, self%steps, u), self%stiffness(segments, self%steps, u), self%row(segments, self%steps, u))
          end if
          if (.not. allocated(self%matrix)) then
             allocate (self%spring(e), self%damper(e), self%matrix(2*e + 1, 2*e + 1), self%pivot(2*e + 1))
-            allocate (self%map(2*e + 1, 2*e, segments), self%column_added(2*e + 1, segments))
+            allocate (self%map(segments, 2*e + 1, 2*e), self%column_added(segments, 2*e + 1))
          end if
          self%h = period/samples
+         self%mass = mass_of_steps(system, self%h)
+         self%spring = system%spring
          do n = 1, e
             decay = system%own(n)*system%damping(n)*self%h
-            omega = sqrt(max(system%own(n)*system%spring(n)*self%h**2 - decay**2/4, 0.0_dp))
-            share(n) = 1
-            if (omega > 0) share(n) = (1 + exp(-decay) - 2*exp(-decay/2)*cos(omega))/(system%own(n)*self%h**2)
-            self%spring(n) = share(n)*system%spring(n)
+            omega = sqrt(system%own(n)*system%spring(n))*self%h
             self%damper(n) = (1 - exp(-decay))/(system%own(n)*self%h)
+            if (omega > 0) self%damper(n) = self%damper(n)*omega**2/(2 - 2*cos(omega))*exp(decay/2)
          end do
          self%drag = system%damping(self%element)/(2*self%h)
-         self%back = system%coupling
-         do n = 1, e
-            do k = system%first(n), system%first(n + 1) - 1
-               associate (m => system%neighbour(k))
-                  j = system%first(m) + findloc(system%neighbour(system%first(m):system%first(m + 1) - 1), n, 1) - 1
-               end associate
-               self%back(k) = system%coupling(j)
-            end do
-         end do
-         allocate (wave(samples))
          do i = 1, u
             self%spring(self%element(i)) = 0
-            call find_wave(balance%harmonic, balance%contact(i)%spectra%stiffness, self%transform, wave)
-            self%stiffness(:, i) = share(self%element(i))*wave
+            call find_wave(balance%harmonic, balance%contact(i)%spectra%stiffness, self%transform, self%wave(:, i))
+            call transpose_steps(self%steps, segments, self%wave(:, i), self%stiffness(:, :, i))
          end do
       end associate
    end subroutine prepare
+
+   !> Velocity that forces take in a step: h W for infinitely small steps, and such that the modes of the train in contact keep their
+   !> frequencies: 2 - 2 cos(h omega) in place of (h omega)**2, by its power series.
+   pure function mass_of_steps(system, h) result(mass)
+      type(system_type), intent(in) :: system
+      real(dp), intent(in) :: h
+      real(dp), dimension(system%elements, system%elements) :: mass, w, stiff, drag, term
+      integer, parameter :: terms = 12
+      integer :: j, k, n
+
+      w = 0
+      do n = 1, system%elements
+         w(n, n) = system%own(n)
+         do k = system%first(n), system%first(n + 1) - 1
+            w(n, system%neighbour(k)) = w(n, system%neighbour(k)) + system%coupling(k)
+         end do
+      end do
+      do n = 1, system%elements
+         stiff(n, :) = h**2*system%spring(n)*w(n, :)
+         drag(:, n) = h/2*w(:, n)*system%damping(n)
+      end do
+      term = h*w
+      mass = term
+      do j = 0, terms
+         term = -matmul(term, stiff)/((2*j + 3)*(2*j + 4))
+         mass = mass + term
+      end do
+      ! Damping acts by the velocity half a step before.
+      mass = mass - matmul(drag, mass - matmul(drag, mass)/2)
+   end function mass_of_steps
 
    !> Force on the unknown meshes by the waveform of coefficients without their means, less the means.
    subroutine find_force(self, balance, x, force, added)
       class(linear_flow_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: x(:, :)
-      !> Force at each step, (sample, unknown).
-      real(dp), intent(inout) :: force(:, :)
-      !> What it adds to the end state of each segment and to the entry in the border row, (2*elements + 1, segment).
+      !> Force at each step, (segment, step, unknown).
+      real(dp), intent(inout) :: force(:, :, :)
+      !> What it adds to the end state of each segment and to the entry in the border row, (segment, 2*elements + 1).
       real(dp), intent(out) :: added(:, :)
       real(dp) :: u(size(x, 1))
       integer :: i
@@ -294,7 +362,7 @@ contains
          u = x(:, i)
          u(1) = 0
          call sample(u, balance%harmonic, self%transform)
-         call self%press(i, x(1, i), force(:, i), added)
+         call self%press(i, x(1, i), force(:, :, i), added)
       end do
    end subroutine find_force
 
@@ -303,20 +371,18 @@ contains
       class(linear_flow_type), intent(in) :: self
       integer, intent(in) :: i
       real(dp), intent(in) :: mean
-      real(dp), intent(inout) :: force(:), added(:, :)
-      integer :: j, n, steps
+      real(dp), intent(inout) :: force(:, :), added(:, :)
+      real(dp) :: wave(self%transform%samples)
+      integer :: n
 
       n = self%transform%samples
-      steps = n/segments
       associate (rho => self%transform%sample)
-         force(2:n - 1) = self%stiffness(2:n - 1, i)*rho(2:n - 1) - mean + self%drag(i)*(rho(3:) - rho(:n - 2))
-         force(1) = self%stiffness(1, i)*rho(1) - mean + self%drag(i)*(rho(2) - rho(n))
-         force(n) = self%stiffness(n, i)*rho(n) - mean + self%drag(i)*(rho(1) - rho(n - 1))
+         wave(2:n - 1) = self%wave(2:n - 1, i)*rho(2:n - 1) - mean + self%drag(i)*(rho(3:) - rho(:n - 2))
+         wave(1) = self%wave(1, i)*rho(1) - mean + self%drag(i)*(rho(2) - rho(n))
+         wave(n) = self%wave(n, i)*rho(n) - mean + self%drag(i)*(rho(1) - rho(n - 1))
       end associate
-      do j = 1, segments
-         call add_influence(2*self%elements + 1, steps, self%influence(:, (j - 1)*steps + 1:j*steps, i), &
-                            force((j - 1)*steps + 1:j*steps), added(:, j))
-      end do
+      call transpose_steps(self%steps, segments, wave, force)
+      call add_influence(2*self%elements + 1, self%steps, self%influence(:, :, :, i), force, added)
    end subroutine press
 
    !> State at the end of the period and entry in the border row, from the state at its beginning and what forces add.
@@ -324,82 +390,56 @@ contains
       class(linear_flow_type), intent(in) :: self
       !> Displacements, velocities, entry in the border row, (2*elements + 1).
       real(dp), intent(inout) :: state(:)
-      !> What forces add in each segment, (2*elements + 1, segment); 0 unless they are given.
+      !> What forces add in each segment, (segment, 2*elements + 1); 0 unless they are given.
       real(dp), intent(in), optional :: added(:, :)
-      !> State at the beginning of each segment, (2*elements, segment).
+      !> State at the beginning of each segment, (segment, 2*elements).
       real(dp), intent(out), optional :: start(:, :)
       real(dp) :: before
       integer :: j, n
 
       n = 2*self%elements
       do j = 1, segments
-         if (present(start)) start(:, j) = state(:n)
+         if (present(start)) start(j, :) = state(:n)
          before = state(n + 1)
-         state = matmul(self%map(:, :, j), state(:n))
+         state = matmul(self%map(j, :, :), state(:n))
          state(n + 1) = state(n + 1) + before
-         if (present(added)) state = state + added(:, j)
+         if (present(added)) state = state + added(j, :)
       end do
    end subroutine join
 
    !> Finds y under `force`, from a state at the beginning.
-   subroutine carry(self, system, state, added)
+   subroutine carry(self, state, added)
       class(linear_flow_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      !> Displacements, then velocities, (2*elements); what the force adds in each segment, (2*elements + 1, segment).
+      !> Displacements, then velocities, (2*elements); what the force adds in each segment, (segment, 2*elements + 1).
       real(dp), intent(in) :: state(:), added(:, :)
-      real(dp) :: start(2*self%elements, segments), joined(2*self%elements + 1)
+      real(dp) :: start(segments, 2*self%elements), joined(2*self%elements + 1)
 
       joined = [state, 0.0_dp]
       call self%join(joined, added, start)
       associate (e => self%elements)
-         call take_steps(e, size(self%element), self%transform%samples/segments, self%element, self%h, system%own, system%first, &
-                         system%neighbour, system%coupling, self%spring, self%damper, self%stiffness, self%force, self%y, &
-                         transpose(start(:e, :)), transpose(start(e + 1:, :)))
+         call take_steps(e, size(self%element), self%steps, self%element, self%h, self%mass, self%spring, self%damper, &
+                         self%stiffness, self%force, start(:, :e), start(:, e + 1:), self%y)
       end associate
    end subroutine carry
 
    !> Carries the functionals that give the end state of a segment and the entry in the border row back over the segment, and keeps
    !> what a force on an unknown mesh at any step and the state at the beginning add to them.
-   pure subroutine carry_back(self, system)
+   subroutine carry_back(self)
       class(linear_flow_type), intent(inout) :: self
-      type(system_type), intent(in) :: system
-      real(dp), dimension(2*self%elements + 1, self%elements) :: p, v, force
-      integer :: i, j, k, m, n, steps
+      real(dp), dimension(segments, 2*self%elements + 1, self%elements) :: p, v, force
+      integer :: n
 
-      steps = self%transform%samples/segments
       associate (e => self%elements)
-         do j = 1, segments
-            p = 0
-            v = 0
-            do n = 1, e
-               p(n, n) = 1
-               v(e + n, n) = 1
-            end do
-            do k = j*steps, (j - 1)*steps + 1, -1
-               do n = 1, e
-                  v(:, n) = v(:, n) + self%h*p(:, n)
-               end do
-               do n = 1, e
-                  force(:, n) = -self%h*system%own(n)*v(:, n)
-                  do m = system%first(n), system%first(n + 1) - 1
-                     force(:, n) = force(:, n) - self%h*self%back(m)*v(:, system%neighbour(m))
-                  end do
-               end do
-               do n = 1, e
-                  p(:, n) = p(:, n) + self%spring(n)*force(:, n)
-                  v(:, n) = v(:, n) + self%damper(n)*force(:, n)
-               end do
-               do i = 1, size(self%element)
-                  associate (n => self%element(i))
-                     p(:, n) = p(:, n) + self%stiffness(k, i)*force(:, n)
-                     p(2*e + 1, n) = p(2*e + 1, n) + self%row(k, i)
-                     self%influence(:, k, i) = force(:, n)
-                  end associate
-               end do
-            end do
-            self%map(:, :e, j) = p
-            self%map(:, e + 1:, j) = v
+         p = 0
+         v = 0
+         do n = 1, e
+            p(:, n, n) = 1
+            v(:, e + n, n) = 1
          end do
+         call take_steps_back(e, size(self%element), self%steps, 2*e + 1, self%element, self%h, self%mass, self%spring, &
+                              self%damper, self%stiffness, self%row, p, v, force, self%influence)
+         self%map(:, :, :e) = p
+         self%map(:, :, e + 1:) = v
       end associate
    end subroutine carry_back
 

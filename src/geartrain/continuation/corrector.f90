@@ -18,9 +18,9 @@ module geartrain_continuation_corrector
    !> Relative accuracy of the iterative solution of a Newton step: of the first step, and as a share of the residual that the step
    !> is expected to leave [1]; the least residual to solve for [units_type].
    real(dp), parameter :: first_accuracy = 1e-4_dp, accuracy_share = 0.01_dp, least_residual = 1e-13_dp
-   !> `converged` and `first_accuracy` of a balance that carries a set of harmonics, whose iterative solutions cost most of its
-   !> time: the harmonics left out are an error of 1e-6 or more.
-   real(dp), parameter :: converged_set = 1e-8_dp, first_accuracy_set = 1e-2_dp
+   !> The same of a balance that carries a set of harmonics, whose iterative solutions cost most of its time: the harmonics left out
+   !> are an error of 1e-6 or more. Accuracy of a distance [1].
+   real(dp), parameter :: converged_set = 1e-8_dp, first_accuracy_set = 1e-2_dp, least_residual_set = 1e-10_dp, rough = 0.1_dp
 
    !> A point of a branch: a solution of the balance, or a guess, and the unit tangent of the branch.
    type :: solution_point_type
@@ -158,7 +158,7 @@ contains
       self%evaluations = self%evaluations + 1
       self%step = -self%balance%residual
       y = 0
-      call self%matrix%solve(self%balance, self%step, y)
+      call self%matrix%solve(self%balance, self%step, y, rough)
       call self%fixed%project(self%step)
       distance = self%length_of(self%step, y)
    end subroutine find_distance
@@ -218,7 +218,13 @@ contains
       if (.not. success) return
       to%tangent = from%tangent
       to%tangent_frequency = from%tangent_frequency
-      call self%find_tangent(to)
+      if (present(guess)) then
+         ! The correction of a guess on a curve through points and tangents grows with the third to fourth power of the length.
+         call self%find_tangent(to, guess%tangent + (3/h)*(to%u - guess%u), &
+                                guess%tangent_frequency + (3/h)*(to%frequency_ratio - guess%frequency_ratio))
+      else
+         call self%find_tangent(to)
+      end if
    end subroutine advance
 
    !> Newton's method on S = 0 with row . (u - u_predicted) = 0. Fails when it stops contracting, needs too many iterations, is
@@ -231,7 +237,7 @@ contains
       type(solution_point_type), intent(inout) :: solution
       real(dp), intent(in) :: row(:, :), row_frequency, longest
       logical, intent(out) :: success
-      real(dp) :: y, length, before, tolerance, defect, defect_before, accuracy, first
+      real(dp) :: y, length, before, tolerance, defect, defect_before, accuracy, first, least
       integer :: iteration
       logical :: last, regular
 
@@ -241,6 +247,7 @@ contains
       ! A guess beyond points known is a difference of them that multiplies their rounding, from step to step.
       call self%fixed%project(solution%u)
       first = merge(first_accuracy_set, first_accuracy, self%balance%chosen)
+      least = merge(least_residual_set, least_residual, self%balance%chosen)
       accuracy = first
       defect_before = 0
       do iteration = 1, max_iterations
@@ -251,6 +258,15 @@ contains
          self%iterations = iteration
          call self%balance%evaluate(solution%u, solution%frequency_ratio)
          self%evaluations = self%evaluations + 1
+         self%step = -self%balance%residual
+         defect = self%length_of(self%step)
+         ! A residual that asks for a step shorter than the tolerance, by the step before.
+         success = iteration > 1 .and. self%balance%chosen .and. .not. self%balance%is_direct()
+         if (success) success = defect*before < tolerance*defect_before .and. self%balance%reaches(solution%frequency_ratio)
+         if (success) then
+            solution%harmonic = self%balance%harmonic
+            return
+         end if
          if (.not. last) then
             call self%matrix%linearize(self%balance)
             self%matrix%row = row
@@ -259,12 +275,10 @@ contains
             call self%matrix%factor(self%balance, regular)
             if (.not. regular) return
          end if
-         self%step = -self%balance%residual
          y = 0
-         defect = self%length_of(self%step)
          ! The residual is expected to shrink by the square of its last ratio.
          if (iteration > 1) accuracy = min(first, accuracy_share*(defect/defect_before)**2)
-         accuracy = max(accuracy, least_residual/max(defect, converged))
+         accuracy = max(accuracy, min(first, least/max(defect, converged)))
          defect_before = defect
          call self%matrix%solve(self%balance, self%step, y, accuracy)
          call self%fixed%project(self%step)
@@ -287,14 +301,22 @@ contains
    end subroutine newton
 
    !> Unit tangent, with the factors of the last Newton step, in the direction of the tangent that `solution` holds.
-   subroutine find_tangent(self, solution)
+   subroutine find_tangent(self, solution, near, near_frequency)
       class(corrector_type), intent(inout) :: self
       type(solution_point_type), intent(inout) :: solution
+      !> A guess of the tangent; the former tangent unless it is given.
+      real(dp), intent(in), optional :: near(:, :), near_frequency
       real(dp) :: y, length
 
       self%step = 0
       y = 1
-      call self%matrix%solve(self%balance, self%step, y)
+      if (present(near)) then
+         length = sum(self%matrix%row*near) + self%matrix%corner*near_frequency
+         call self%matrix%solve(self%balance, self%step, y, near=near/length, near_y=near_frequency/length)
+      else
+         length = sum(self%matrix%row*solution%tangent) + self%matrix%corner*solution%tangent_frequency
+         call self%matrix%solve(self%balance, self%step, y, near=solution%tangent/length, near_y=solution%tangent_frequency/length)
+      end if
       call self%fixed%project(self%step)
       length = self%length_of(self%step, y)
       if (inner(self%step, solution%tangent)/self%units%length**2 &

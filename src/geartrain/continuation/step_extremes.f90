@@ -18,8 +18,9 @@ module geartrain_continuation_step_extremes
 
    !> Least distance of a point from the ends of a step, as a share of the step: an end may be the extreme itself.
    real(dp), parameter :: off_ends = 1e-3_dp
-   !> Derivative of an rms at its maximum, over the derivatives at the ends of the step.
-   real(dp), parameter :: located = 1e-9_dp
+   !> Derivative of an rms at its maximum, over the derivatives at the ends of the step; of a balance whose tangents are iterative
+   !> solutions.
+   real(dp), parameter :: located = 1e-9_dp, located_iteratively = 1e-3_dp
    integer, parameter :: most_places = 30, smooth_places = 3
    !> Times that a step is cut at a peak: where the derivative is not smooth, the cubic may show one in each piece.
    integer, parameter :: most_cuts = 3
@@ -190,7 +191,7 @@ contains
       logical, intent(out) :: cut
       type(solution_point_type) :: first, last, point
       type(quantities_type) :: at_first, at_last, at_point
-      real(dp) :: share, least, steepest, a, b, fa, fb
+      real(dp) :: share, least, steepest, enough, a, b, fa, fb
       integer :: j, mesh, i, kept
       logical :: turns
 
@@ -209,6 +210,7 @@ contains
       at_first = at_here
       at_last = at_next
       steepest = max(abs(at_here%rms_slope(mesh)), abs(at_next%rms_slope(mesh)))
+      enough = steepest*merge(located_iteratively, located, corrector%balance%chosen .and. .not. corrector%balance%is_direct())
       turns = at_here%rms_slope(mesh) > 0 .and. at_next%rms_slope(mesh) <= 0
       share = least
       kept = 0
@@ -219,7 +221,7 @@ contains
       do i = 1, most_places
          call solve_at(corrector, transform, first, last, share, point, at_point, cut)
          if (.not. cut) return
-         if (.not. turns .or. abs(at_point%rms_slope(mesh)) < located*steepest) exit
+         if (.not. turns .or. abs(at_point%rms_slope(mesh)) < enough) exit
          call shrink(a, b, fa, fb, a + share*(b - a), at_point%rms_slope(mesh), kept)
          if (at_point%rms_slope(mesh) > 0) then
             first = point

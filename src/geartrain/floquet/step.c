@@ -1,25 +1,6 @@
-/* One step of the propagator (propagator.f90). In C, because only there a compiler makes a function in versions for several
-   processors: wider vectors and fused products halve its time on machines that have them. */
+/* One step of the propagator (propagator.f90); `work` is aligned, so that vectors do not straddle lines of the cache. */
 
-#include <stdint.h>
-
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
-#define VERSIONS __attribute__((target_clones("fma", "default"), optimize("O3")))
-#define WIDE_VERSIONS __attribute__((target_clones("avx512f", "fma", "default"), optimize("O3")))
-#define INLINE static inline __attribute__((always_inline, optimize("O3")))
-#else
-#define VERSIONS
-#define WIDE_VERSIONS
-#define INLINE static inline
-#endif
-
-/* Four columns, at any address of a number; `work` is aligned, so that they do not straddle lines of the cache. */
-typedef double four __attribute__((vector_size(32), aligned(8), may_alias));
-
-/* Inlined, so that how a vector would be returned, which differs between processors, does not matter. */
-#pragma GCC diagnostic ignored "-Wpsabi"
-INLINE four load(const double *p) { return *(const four *)p; }
-INLINE void store(double *p, four v) { *(four *)p = v; }
+#include "../linalg/vectors.h"
 
 /* psi of one element at derivative k: constant stiffness or damping, and terms of a varying kappa. Of 4*vectors columns. */
 INLINE void find_psi(const int vectors, int all, double spring, double damper, int terms, const double *restrict factor,
@@ -158,12 +139,6 @@ VERSIONS void geartrain_step(int width, int chain, int coordinates, int elements
       chain ? CARRY(3, 1) : CARRY(3, 0);
 }
 
-/* Four elements of a pair of vectors; one. */
-typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
-typedef double two __attribute__((vector_size(16), aligned(8), may_alias));
-
-INLINE eight load8(const double *p) { return *(const eight *)p; }
-INLINE void store8(double *p, eight v) { *(eight *)p = v; }
 /* Numbers of four elements, each for both vectors. */
 INLINE eight twice(const double *p)
 {

@@ -12,8 +12,9 @@ module geartrain_mesh_law_contact
    private
    public :: contact_type
 
-   !> Samples above which events are found between them by the samples alone: those of ten thousand cycles of hunting teeth.
-   integer, parameter :: many_samples = 32768
+   !> Samples above which events are found between them by the samples alone: of motions of more than 500
+   !> harmonics.
+   integer, parameter :: many_samples = 4096
 
    type :: contact_type
       !> Force law of the mesh.

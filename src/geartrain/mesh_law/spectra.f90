@@ -6,6 +6,7 @@
 !> damping p + impulse is continuous, so the derivative of phi with respect to the motion is stiffness + d/dt damping, without terms
 !> for the instants of the events, although the damping force may jump at an event.
 module geartrain_mesh_law_spectra
+   use, intrinsic :: iso_c_binding, only: c_double, c_double_complex, c_int
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_scattered, only: scattered_coefficients
    use geartrain_mesh_law_law, only: law_type
@@ -14,7 +15,7 @@ module geartrain_mesh_law_spectra
    public :: spectra_type, find_spectra
 
    !> Neighbouring coefficients that are found side by side.
-   integer, parameter :: strands = 4
+   integer, parameter :: strands = 8
    !> Events above which the coefficients are found by FFT, for which events and coefficients are not multiplied: those of hunting
    !> teeth, ten thousand of a hundred thousand each.
    integer, parameter :: many_events = 400
@@ -27,6 +28,17 @@ module geartrain_mesh_law_spectra
       procedure :: reserve
       procedure :: mean_damping
    end type spectra_type
+
+   interface
+      pure subroutine add_powers(size, factor, real, imaginary, chi) bind(c, name='geartrain_add_jump')
+         import :: c_double, c_double_complex, c_int
+         implicit none (type, external)
+         integer(c_int), value :: size
+         real(c_double), value :: real, imaginary
+         complex(c_double_complex), intent(in) :: factor(*)
+         complex(c_double_complex), intent(inout) :: chi(*)
+      end subroutine add_powers
+   end interface
 
 contains
 
@@ -195,10 +207,7 @@ contains
          factor(k) = factor(k - 1)*z
       end do
       z = z**strands
-      do k = 1, size(chi), strands
-         chi(k:k + strands - 1) = chi(k:k + strands - 1) + factor
-         factor = factor*z
-      end do
+      call add_powers(size(chi), factor, z%re, z%im, chi)
    end subroutine add_jump
 
 end module geartrain_mesh_law_spectra
