@@ -16,8 +16,10 @@ module geartrain_flow_flow
    private
    public :: flow_type
 
-   !> Most successive events at one instant; the next event is passed over.
+   !> Most successive events at one instant besides one of each mesh; the next event is passed over.
    integer, parameter :: most_stuck = 3
+   !> Rounding of a distance from a wall, over the largest displacement.
+   real(dp), parameter :: rounding = 1e-14_dp
 
    type :: flow_type
       !> The train.
@@ -216,12 +218,8 @@ contains
       self%events = self%events + 1
       self%event_mesh = mesh
       self%event_wall = wall
-      if (h > 0) then
-         self%stuck = 0
-      else
-         self%stuck = self%stuck + 1
-         if (self%stuck > most_stuck) self%lost = .true.
-      end if
+      self%stuck = merge(0, self%stuck + 1, h > 0)
+      if (self%stuck > most_stuck + self%system%meshes) self%lost = .true.
    end subroutine enter
 
    !> Computes the Taylor coefficients of all columns at the present time.
@@ -288,10 +286,8 @@ contains
          do j = 1, system%meshes
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             error = 0
-            associate (series => system%transmission_error(j))
+            associate (series => system%transmission_error(j), n => system%mesh_element(j))
                call add_series(self, series%harmonic, series%amplitude, error)
-            end associate
-            associate (n => system%mesh_element(j))
                do i = 1, size(coefficient, 2)
                   if (n > system%coordinates) then
                      if (n == system%coordinates + i) coefficient(:, i) = coefficient(:, i) + error
@@ -354,9 +350,8 @@ contains
             associate (series => system%transmission_error(j))
                call add_series(self, series%harmonic, series%amplitude, error)
             end associate
-            associate (second => self%excitation(:, system%mesh_element(j)))
-               second = second + [(k*(k - 1)*error(k), k=2, self%order + 2)]
-            end associate
+            n = system%mesh_element(j)
+            self%excitation(:, n) = self%excitation(:, n) + [(k*(k - 1)*error(k), k=2, self%order + 2)]
          end do
       end associate
    end subroutine expand_excitation
@@ -393,14 +388,15 @@ contains
       real(dp), intent(inout) :: h
       logical, intent(out) :: found
       integer, intent(out) :: mesh, wall
-      real(dp) :: f(0:self%order), root
+      real(dp) :: f(0:self%order), root, span
       integer :: j, n, w
       logical :: hit
 
       found = .false.
       mesh = 0
       wall = 0
-      if (self%stuck > most_stuck) return
+      if (self%stuck > most_stuck + self%system%meshes) return
+      span = maxval(abs(self%p(1, :, 0)))
       do j = 1, self%system%meshes
          n = self%system%mesh_element(j)
          ! Both walls of the region.
@@ -411,8 +407,10 @@ contains
             if (w == self%contact(j)) f = -f
             if (j == self%event_mesh .and. w == self%event_wall) then
                ! The mesh has just left this wall: divide by the known root 0.
-               f(0:self%order - 1) = f(1:self%order)
-               f(self%order) = 0
+               f = eoshift(f, 1)
+            else if (f(1) > 0 .and. f(0) > -rounding*(span + abs(self%system%law(j)%wall(w)))) then
+               ! Left at the very instant of the event before, as equal stages do: rounding puts the mesh on either side.
+               f(0) = max(f(0), 0.0_dp)
             end if
             call first_root(f, h, root, hit)
             if (.not. hit) cycle

@@ -96,7 +96,7 @@ contains
       begun = frequency_ratio
       do i = 1, max_iterations
          call sections%fly(frequency_ratio, states)
-         if (sections%interrupted()) return
+         if (sections%interrupted() .or. sections%is_lost()) return
          matrix(:n, :n) = sections%monodromy
          do k = 1, n
             matrix(k, k) = matrix(k, k) - 1

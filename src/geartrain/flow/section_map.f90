@@ -221,9 +221,9 @@ contains
          if (now > 0) call move_origin(now, f)
          passed = mesh
          call first_event(self, f, contact, 1 - now, passed, wall, root, mesh)
-         if (mesh == 0 .or. stuck > most_stuck) exit
+         if (mesh == 0 .or. stuck > most_stuck + size(contact)) exit
          stuck = merge(0, stuck + 1, root > 0)
-         if (stuck > most_stuck) lost = .true.
+         if (stuck > most_stuck + size(contact)) lost = .true.
          now = now + root
          call sum_at(now, self%ahead(:, :, :, c, i), map)
          call carry(map, state, tangents)

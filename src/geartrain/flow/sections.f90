@@ -57,6 +57,7 @@ module geartrain_flow_sections
       procedure :: vary
       procedure :: carry_vectors
       procedure :: interrupted
+      procedure :: is_lost
    end type sections_type
 
 contains
@@ -144,6 +145,8 @@ contains
          if (.not. self%moves) self%own_drift = 0
       end if
       parts = self%sections/self%period
+      self%flow%lost = .false.
+      self%single%lost = .false.
       self%events = 0
       self%slowest_event = huge(1.0_dp)
       if (self%apart > 0) then
@@ -188,6 +191,13 @@ contains
 
       interrupted = self%single%system%interrupt%raised()
    end function interrupted
+
+   !> Whether too many events fell on one instant in the latest `fly`, so that the flight is no motion.
+   pure logical function is_lost(self)
+      class(sections_type), intent(in) :: self
+
+      is_lost = self%flow%lost .or. self%single%lost
+   end function is_lost
 
    !> Change of state k [1], (state), without the gap missed(k).
    pure function step_at(self, k, first, frequency_ratio, parameter) result(step)
