@@ -21,8 +21,9 @@ module geartrain_balance_error_estimate
    !> error at constant Lambda falls only with the root of the shift of the fold.
    real(dp), parameter :: steepest = 0.05_dp
 
-   !> Relative accuracy of iterative solutions for the estimate [1].
-   real(dp), parameter :: accuracy = 1e-3_dp
+   !> Relative accuracy of iterative solutions for the estimate [1]; least amplitude of a mesh to which its error is relative, over
+   !> that of all meshes [1].
+   real(dp), parameter :: accuracy = 1e-3_dp, least_share = 1e-6_dp
 
    type :: error_estimate_type
       !> Ranges of natural frequencies of the train in contact over characteristic frequency [1], the lowest and the highest one of
@@ -34,6 +35,9 @@ module geartrain_balance_error_estimate
       real(dp) :: relative = 0
       !> `relative` with dLambda along the branch not below `steepest` [1]: the number of harmonics is chosen by it.
       real(dp) :: limited = 0
+      !> Relative error of the waveform of each mesh by itself [1], (mesh): larger than `relative` for a mesh that moves little
+      !> beside others. Of a linear mesh that of all meshes.
+      real(dp), allocatable :: mesh(:)
       !> The first order may not hold: a fold is nearer than its own error, a contact may begin or end within the error, or the
       !> error is not small.
       logical :: doubtful = .false.
@@ -76,7 +80,7 @@ contains
       !> What the solution leaves of the balance [1], (block, unknown), where it solves another one, of sampled coefficients, whose
       !> matrix `matrix` is.
       real(dp), intent(in), optional :: residual(:, :)
-      real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale
+      real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale, own
       complex(dp), allocatable :: force(:, :)
       integer :: i, reach
       !> Harmonics left out may excite linear meshes.
@@ -85,6 +89,7 @@ contains
       estimate%relative = 0
       estimate%limited = 0
       estimate%doubtful = .false.
+      estimate%mesh = [(0.0_dp, i=1, balance%system%meshes)]
       call estimate%reserve(balance)
       ! Handed on as it is, an array that is not allocated would be one of no size.
       if (allocated(estimate%resonance)) then
@@ -99,6 +104,7 @@ contains
          allocate (force(estimate%count, 0))
          estimate%relative = condensed_error(balance, u, frequency_ratio, estimate%harmonic(:estimate%count), force, force)
          estimate%limited = estimate%relative
+         estimate%mesh = estimate%relative
          estimate%doubtful = estimate%relative > large
          return
       end if
@@ -135,10 +141,11 @@ contains
             estimate%limited = max(estimate%limited, way)
          end if
          estimate%doubtful = estimate%relative > large .or. abs(2*bend*y) > near_fold*slope**2
+         estimate%mesh = estimate%relative
          do i = 1, balance%unknowns
-            if (balance%contact(i)%clearance() &
-                < grazing*sqrt(sum(tail(:, i)%re**2 + tail(:, i)%im**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))) &
-               estimate%doubtful = .true.
+            own = sqrt(sum(tail(:, i)%re**2 + tail(:, i)%im**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))
+            if (balance%contact(i)%clearance() < grazing*own) estimate%doubtful = .true.
+            estimate%mesh(balance%mesh(i)) = own/max(sqrt(sum(u(2:, i)**2)), least_share*scale)
          end do
       end associate
 

@@ -121,6 +121,8 @@ module geartrain_continuation_branch
       !> Estimated relative error of the waveform [1], (point): distance to the exact motion at the same Lambda, or to the fold of
       !> the exact branch where the exact branch turns before this Lambda.
       real(dp), allocatable :: error_estimate(:)
+      !> The same of each mesh by itself [1], (mesh, point).
+      real(dp), allocatable :: mesh_error_estimate(:, :)
       !> Relative change of the waveform by refine_branch [1], (point), which is the error before refinement; negative: the point
       !> was not refined; not allocated: refinement was not asked for.
       real(dp), allocatable :: correction(:)
@@ -336,6 +338,9 @@ contains
       call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform, against the motion at the &
                              &same Lambda or, where the branch turns before it, that of its fold; rounding, some 1e-14, is not in &
                              &it', optional=none), branch%error_estimate)
+      call carry(fields, row('mesh_error_estimate', 'point mesh', '1', 'the same of each mesh by itself: larger for one that moves &
+                             &little beside others; of a mesh without backlash that of all', optional=none), &
+                 branch%mesh_error_estimate)
       call carry(fields, row('estimate_doubtful', 'point', '1', '1 = error_estimate may be off by more than a small factor: a &
                              &fold as near as it is itself misplaced, a contact that begins or ends within the error, or an error &
                              &beyond 0.1; 0 = not', optional=none), branch%estimate_doubtful)

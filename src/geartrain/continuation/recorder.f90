@@ -126,6 +126,7 @@ contains
          branch%coefficients(2*k:2*k + 1, :, n) = coefficients(2*i:2*i + 1, :)
       end do
       branch%error_estimate(n) = estimate%relative
+      branch%mesh_error_estimate(:, n) = estimate%mesh
       branch%estimate_doubtful(n) = estimate%doubtful
       branch%point_harmonics(n) = balance%highest
       branch%segment(n) = segment

@@ -210,6 +210,7 @@ contains
          branch%shaft_torque_maximum(:, i) = motion%shaft_torque_maximum
       end if
       branch%error_estimate(i) = motion%error_estimate
+      branch%mesh_error_estimate(:, i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.
       if (.not. allocated(branch%stable)) return
       ! Multipliers are in descending order; of a train of many states a branch has the leading multipliers only.

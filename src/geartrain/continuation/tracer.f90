@@ -32,6 +32,8 @@ module geartrain_continuation_tracer
 
    !> Length of the first step, and of the smallest one, in the metric of the branch.
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
+   !> Error of a mesh by itself over the tolerance from which on it is told.
+   real(dp), parameter :: beside_others = 3
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
 
@@ -416,13 +418,24 @@ contains
 
    !> Adds to the reason for the end how many points miss the tolerance; a branch whose points all miss it is not complete. Where a
    !> branch is nearly vertical a small error of Lambda is a large error at constant Lambda, which more harmonics hardly reduce.
+   !> The error of a mesh that moves little beside others may be large, and with it that of its force, where that of all is not.
    subroutine tell_missed(self, branch)
       class(tracer_type), intent(in) :: self
       !> Traced branch; gets `ended` and `complete`.
       type(branch_type), intent(inout) :: branch
-      integer :: steep
+      integer :: steep, worst(2)
 
       if (self%settings%harmonics /= 0) return
+      if (branch%points > 0) then
+         worst = maxloc(branch%mesh_error_estimate(:, :branch%points), &
+                        spread(branch%error_estimate(:branch%points) <= self%settings%tolerance, 1, branch%meshes))
+         if (all(worst > 0)) then
+            associate (error => branch%mesh_error_estimate(worst(1), worst(2)))
+               if (error > beside_others*self%settings%tolerance) branch%ended = branch%ended//'; mesh '//text(worst(1)) &
+                  //' moves little beside the others: its own relative error is up to '//text(error)
+            end associate
+         end if
+      end if
       steep = count(branch%error_estimate(:branch%points) > self%settings%tolerance) - self%missed
       if (steep > 0) branch%ended = branch%ended//'; '//text(steep)//' points where it is nearly vertical miss the tolerance'
       if (self%missed == 0) return
