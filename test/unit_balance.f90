@@ -3,7 +3,10 @@ module unit_balance
    use fixtures, only: long_train, paper_train, single_pair
    use geartrain, only: dp, train_type
    use geartrain_balance_balance, only: balance_type
+   use geartrain_base_numbers, only: integer_text
    use geartrain_linalg_bordered, only: bordered_type
+   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_linalg_graph, only: graph_type
    use geartrain_model_receptance, only: find_receptance, receptance_type
    use geartrain_model_system, only: build_system, system_type
    use testing, only: tests_type
@@ -25,9 +28,51 @@ contains
          call jacobian_at_random(tests, long_train(3), 6, 2, 0, 5.0_dp, 'everything, 3 shafts')
          call jacobian_at_random(tests, single_pair(0.05_dp, 0.3_dp, 0.4_dp), 12, 1, 0, 5.0_dp, 'single pair')
       end if
+      if (tests%runs('singular_block')) call singular_block(tests)
       if (tests%runs('condensed_linear_mesh')) call condensed_linear_mesh(tests)
       if (tests%runs('receptance_derivative')) call receptance_derivative(tests)
    end subroutine balance_tests
+
+   !> Regular matrices of which a diagonal block is singular, the first in the order of elimination or a later one.
+   subroutine singular_block(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: n = 3, nodes = 4, pairs(2, 4) = reshape([1, 2, 2, 3, 3, 1, 3, 4], [2, 4])
+      type(bordered_type) :: matrix
+      type(graph_type) :: graph
+      real(dp) :: whole(n*nodes + 1, n*nodes + 1), random(n*nodes + 1, n*nodes + 1), right(n*nodes + 1), x(n, nodes), y
+      integer :: pivot(n*nodes + 1), i, info, j, singular
+
+      call graph%setup(nodes, pairs)
+      do singular = 1, nodes
+         call matrix%resize(n, graph)
+         call pseudo_random(random)
+         whole = 0
+         do i = 1, nodes
+            do j = 1, nodes
+               if (graph%entry_of(i, j) == 0) cycle
+               whole(n*(i - 1) + 1:n*i, n*(j - 1) + 1:n*j) = random(n*(i - 1) + 1:n*i, n*(j - 1) + 1:n*j)
+               if (i == j .and. i == singular) whole(n*i, n*(i - 1) + 1:n*i) = 0
+               matrix%entry(:, :, graph%entry_of(i, j)) = whole(n*(i - 1) + 1:n*i, n*(j - 1) + 1:n*j)
+            end do
+         end do
+         whole(:, n*nodes + 1) = random(:, n*nodes + 1)
+         whole(n*nodes + 1, :) = random(n*nodes + 1, :)
+         matrix%column = reshape(whole(:n*nodes, n*nodes + 1), [n, nodes])
+         matrix%row = reshape(whole(n*nodes + 1, :n*nodes), [n, nodes])
+         matrix%corner = whole(n*nodes + 1, n*nodes + 1)
+         right = random(:, 1)
+         x = reshape(right(:n*nodes), [n, nodes])
+         y = right(n*nodes + 1)
+         call matrix%factor(info)
+         call tests%is_true(info == 0, 'block '//integer_text(singular)//' is singular: the matrix is regular')
+         if (info /= 0) cycle
+         call matrix%solve(x, y)
+         call factor_matrix(n*nodes + 1, whole, pivot, info)
+         call solve_factored(n*nodes + 1, 1, whole, pivot, right)
+         call tests%is_close(maxval(abs([reshape(x, [n*nodes]), y] - right)), 0.0_dp, 1e-11_dp*maxval(abs(right)), &
+                             'block '//integer_text(singular)//' is singular: the solution')
+      end do
+   end subroutine singular_block
 
    !> dS/du and dS/dLambda by central differences (step 1e-6, error about 1e-8 of the entries for a force whose second
    !> derivative is bounded between events).

@@ -1,6 +1,10 @@
 !> A matrix of square blocks on a graph, bordered by one row and one column. The elimination goes along the order of the graph, on a
 !> tree in time linear in the number of blocks. The border is factored together with the last block, so the bordered matrix is
 !> regular at folds, where the matrix without border is singular.
+!>
+!> A diagonal block may be singular in a regular matrix: the mean force of a mesh that never touches in a loop of meshes does not
+!> depend on its own mean displacement, which the rest of the loop prescribes. From such a block on all blocks that are left are
+!> factored together, with row exchanges among them.
 module geartrain_linalg_bordered
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
@@ -10,6 +14,11 @@ module geartrain_linalg_bordered
    implicit none (type, external)
    private
    public :: bordered_type
+
+   !> Least pivot of a block over its largest at which the block counts as regular [1].
+   real(dp), parameter :: least_pivot = 1e-10_dp
+   !> Most rows that are factored together: a second on one core.
+   integer, parameter :: most_together = 2500
 
    type :: bordered_type
       !> Rows of a block.
@@ -26,13 +35,17 @@ module geartrain_linalg_bordered
       integer :: orientation = 1
       !> Ends `factor` between two blocks.
       type(interrupt_type) :: interrupt
-      !> Last block with the border, factored, (block + 1, block + 1); right-hand side of the last block, (block + 1).
+      !> Number of blocks that are eliminated one by one.
+      integer, private :: single = 0
+      !> The blocks that are left, usually the last one, with the border, factored, and their right-hand side, (rows of these blocks
+      !> + 1).
       real(dp), allocatable, private :: last(:, :), joint(:)
       integer, allocatable, private :: pivot(:, :), last_pivot(:)
    contains
       procedure :: resize
       procedure :: factor
       procedure :: solve
+      procedure, private :: factor_rest
    end type bordered_type
 
 contains
@@ -47,13 +60,12 @@ contains
 
       if (allocated(self%entry)) then
          if (self%block == block .and. self%graph%nodes == graph%nodes) return
-         deallocate (self%entry, self%column, self%row, self%last, self%joint, self%pivot, self%last_pivot)
+         deallocate (self%entry, self%column, self%row, self%pivot)
       end if
       self%block = block
       self%graph = graph
       allocate (self%entry(block, block, graph%entries), self%column(block, graph%nodes), self%row(block, graph%nodes), &
-                self%last(block + 1, block + 1), self%joint(block + 1), self%pivot(block, graph%nodes), &
-                self%last_pivot(block + 1))
+                self%pivot(block, graph%nodes))
    end subroutine resize
 
    !> Block elimination; afterwards the upper entries and `column` hold D^-1 U and D^-1 g (D, U: diagonal and upper blocks, g:
@@ -62,6 +74,7 @@ contains
       class(bordered_type), intent(inout) :: self
       !> 0: regular; else singular or interrupted.
       integer, intent(out) :: info
+      real(dp) :: held(self%block, self%block)
       integer :: i, k, m, n, s, t
 
       n = self%block
@@ -76,8 +89,14 @@ contains
             info = 1
             if (self%interrupt%raised()) return
             i = graph%order(k)
+            held = self%entry(:, :, i)
             call factor_matrix(n, self%entry(:, :, i), self%pivot(:, i), info)
-            if (info /= 0) return
+            if (info == 0) info = merge(0, 1, is_regular(self%entry(:, :, i)))
+            if (info /= 0) then
+               self%entry(:, :, i) = held
+               call self%factor_rest(k - 1, info)
+               return
+            end if
             self%orientation = self%orientation*determinant_sign(self%entry(:, :, i), self%pivot(:, i))
             call solve_factored(n, 1, self%entry(:, :, i), self%pivot(:, i), self%column(:, i))
             self%corner = self%corner - dot_product(self%row(:, i), self%column(:, i))
@@ -97,22 +116,74 @@ contains
                end associate
             end do
          end do
-         i = graph%order(nodes)
+         call self%factor_rest(nodes - 1, info)
       end associate
-      self%last(:n, :n) = self%entry(:, :, i)
-      self%last(:n, n + 1) = self%column(:, i)
-      self%last(n + 1, :n) = self%row(:, i)
-      self%last(n + 1, n + 1) = self%corner
-      call factor_matrix(n + 1, self%last, self%last_pivot, info)
-      self%orientation = self%orientation*determinant_sign(self%last, self%last_pivot)
    end subroutine factor
+
+   !> Factors the blocks that are left, with the border, as one matrix.
+   subroutine factor_rest(self, single, info)
+      class(bordered_type), intent(inout) :: self
+      !> Number of blocks that were eliminated one by one.
+      integer, intent(in) :: single
+      !> 0: regular; else singular or too large.
+      integer, intent(out) :: info
+      integer :: place(self%graph%nodes), i, j, k, n, rows, s
+
+      self%single = single
+      n = self%block
+      rows = n*(self%graph%nodes - single) + 1
+      info = 1
+      if (single < self%graph%nodes - 1 .and. rows > most_together) return
+      if (allocated(self%last)) then
+         if (size(self%joint) /= rows) deallocate (self%last, self%joint, self%last_pivot)
+      end if
+      if (.not. allocated(self%last)) allocate (self%last(rows, rows), self%joint(rows), self%last_pivot(rows))
+      associate (graph => self%graph, nodes => self%graph%nodes, slots => self%graph%slots)
+         if (single < nodes - 1) self%last = 0
+         ! Rows of each block that is left.
+         do k = single + 1, nodes
+            place(graph%order(k)) = n*(k - single - 1)
+         end do
+         do k = single + 1, nodes
+            i = graph%order(k)
+            associate (a => place(i))
+               self%last(a + 1:a + n, a + 1:a + n) = self%entry(:, :, i)
+               self%last(a + 1:a + n, rows) = self%column(:, i)
+               self%last(rows, a + 1:a + n) = self%row(:, i)
+               do s = graph%first(k), graph%first(k + 1) - 1
+                  j = place(graph%later(s))
+                  self%last(a + 1:a + n, j + 1:j + n) = self%entry(:, :, nodes + s)
+                  self%last(j + 1:j + n, a + 1:a + n) = self%entry(:, :, nodes + slots + s)
+               end do
+            end associate
+         end do
+      end associate
+      self%last(rows, rows) = self%corner
+      call factor_matrix(rows, self%last, self%last_pivot, info)
+      self%orientation = self%orientation*determinant_sign(self%last, self%last_pivot)
+   end subroutine factor_rest
+
+   !> Whether a factored block is far from singular.
+   pure logical function is_regular(factors)
+      real(dp), intent(in) :: factors(:, :)
+      real(dp) :: least, largest
+      integer :: i
+
+      least = huge(least)
+      largest = 0
+      do i = 1, size(factors, 1)
+         least = min(least, abs(factors(i, i)))
+         largest = max(largest, abs(factors(i, i)))
+      end do
+      is_regular = least > least_pivot*largest
+   end function is_regular
 
    !> Solves in place, after `factor`.
    subroutine solve(self, x, y)
       class(bordered_type), intent(inout) :: self
       !> Right-hand side, then solution: of the blocks, (block, nodes), and of the border.
       real(dp), intent(inout) :: x(:, :), y
-      integer :: i, k, n, s
+      integer :: i, k, m, n, s
 
       n = self%block
       associate (graph => self%graph, nodes => self%graph%nodes, slots => self%graph%slots)
@@ -120,7 +191,7 @@ contains
             y = y/self%corner
             return
          end if
-         do k = 1, nodes - 1
+         do k = 1, self%single
             i = graph%order(k)
             call solve_factored(n, 1, self%entry(:, :, i), self%pivot(:, i), x(:, i))
             do s = graph%first(k), graph%first(k + 1) - 1
@@ -128,13 +199,17 @@ contains
             end do
             y = y - dot_product(self%row(:, i), x(:, i))
          end do
-         i = graph%order(nodes)
-         self%joint(:n) = x(:, i)
-         self%joint(n + 1) = y
-         call solve_factored(n + 1, 1, self%last, self%last_pivot, self%joint)
-         x(:, i) = self%joint(:n)
-         y = self%joint(n + 1)
-         do k = nodes - 1, 1, -1
+         m = size(self%joint)
+         do k = self%single + 1, nodes
+            self%joint(n*(k - self%single - 1) + 1:n*(k - self%single)) = x(:, graph%order(k))
+         end do
+         self%joint(m) = y
+         call solve_factored(m, 1, self%last, self%last_pivot, self%joint)
+         do k = self%single + 1, nodes
+            x(:, graph%order(k)) = self%joint(n*(k - self%single - 1) + 1:n*(k - self%single))
+         end do
+         y = self%joint(m)
+         do k = self%single, 1, -1
             i = graph%order(k)
             do s = graph%first(k), graph%first(k + 1) - 1
                call dgemv('N', n, n, -1.0_dp, self%entry(:, :, nodes + s), n, x(:, graph%later(s)), 1, 1.0_dp, x(:, i), 1)
