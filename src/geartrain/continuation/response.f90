@@ -160,6 +160,8 @@ contains
       if (.not. tracer%resumes) then
          branch%trace%steps = 0
          branch%trace%before = ''
+         ! Not known yet: that at hand is of the trace from the other end.
+         tracer%curvature = 0
          call tracer%note_state(branch%trace)
          call find_start(train, tracer, from, to, solution, success, enough, stopped, observer)
          if (stopped .and. .not. tracer%system%interrupt%raised()) then

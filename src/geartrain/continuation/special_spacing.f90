@@ -114,6 +114,9 @@ contains
       end if
       if (success) success = tracer%corrector%length_of(solved%u - point%u) < arc_length(ends(1), ends(2), tracer%corrector%units)
       if (.not. success) return
+      ! The error estimate needs the curvature of this step, not that of the step which the trace took last.
+      tracer%curvature = (ends(2)%tangent_frequency - ends(1)%tangent_frequency)/arc_length(ends(1), ends(2), &
+                                                                                            tracer%corrector%units)
       call tracer%record(solved, branch)
       branch%arclength(branch%points) = branch%arclength(i) + share*(branch%arclength(i + 1) - branch%arclength(i))
       branch%segment(branch%points) = branch%segment(i)
