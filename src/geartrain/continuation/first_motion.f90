@@ -1,6 +1,7 @@
 !> The motion at which the trace of a response begins.
 module geartrain_continuation_first_motion
    use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_repetition, only: repeat_motion
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
@@ -12,6 +13,7 @@ module geartrain_continuation_first_motion
    use geartrain_flow_orbit_search, only: orbit_search_type
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
+   use geartrain_model_divide_orders, only: divide_orders
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_parameter, only: largest_variation, variation
    use geartrain_model_parameter_path, only: parameter_path_type
@@ -41,7 +43,9 @@ contains
    !> - the branch over the stiffness variation, from a train whose stiffness hardly varies;
    !> - an orbit, stable or not, near the flow from rest;
    !> - the branch of such an orbit at another Lambda.
-   !> A motion of long period, which takes minutes to fly over, is not looked for in flights.
+   !> A motion of long period, which takes minutes to fly over, is not looked for in flights. Where the motions of the branch repeat
+   !> themselves within the period of the fundamental, flights are those of the train with divided orders: over the whole period
+   !> they also come to motions that do not repeat themselves, which are none of the branch.
    recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
@@ -60,6 +64,7 @@ contains
       !> Is told of the periods of the fundamental of time integration, and may cancel.
       class(observer_type), intent(inout), optional :: observer
       type(motion_type) :: motion
+      type(system_type), target :: divided
       type(integration_settings_type) :: integration
       real(dp), allocatable :: state(:)
       real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
@@ -78,12 +83,18 @@ contains
       if (success) return
       flies = .not. tracer%corrector%balance%has_long_period()
       if (flies) then
-         state = resting_state(tracer%system)
-         integration%harmonics = exact_harmonics(tracer)
-         call settle(tracer%system, frequency_ratio, integration, state, motion, observer, stopped)
-         if (stopped) return
-         if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) &
-            call solve_near(tracer, motion, solution, success, enough)
+         associate (times => tracer%settings%repeats)
+            divided = tracer%system
+            call divide_orders(times, divided)
+            state = resting_state(divided)
+            integration%harmonics = exact_harmonics(tracer)
+            call settle(divided, times*frequency_ratio, integration, state, motion, observer, stopped)
+            if (stopped) return
+            if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
+               call repeat_waveform(times, motion)
+               call solve_near(tracer, motion, solution, success, enough)
+            end if
+         end associate
       end if
       elsewhere = [times*frequency_ratio, frequency_ratio + share*(other - frequency_ratio)]
       do round = 1, 2
@@ -155,16 +166,21 @@ contains
       integer, intent(inout) :: enough
       logical, intent(out) :: stopped
       class(observer_type), intent(inout), optional :: observer
+      type(system_type), target :: divided
       type(orbit_search_type) :: orbits
       type(motion_type) :: motion
       logical :: found
 
       success = .false.
-      call orbits%begin(tracer%system, frequency_ratio, tracer%settings%subharmonic, exact_harmonics(tracer), &
-                        most_sections)
+      associate (times => tracer%settings%repeats)
+         divided = tracer%system
+         call divide_orders(times, divided)
+         call orbits%begin(divided, times*frequency_ratio, tracer%settings%subharmonic, exact_harmonics(tracer), most_sections)
+      end associate
       do while (.not. success)
          call orbits%next(motion, found, stopped, observer)
          if (.not. found) return
+         call repeat_waveform(tracer%settings%repeats, motion)
          call solve_near(tracer, motion, solution, success, enough)
       end do
    end subroutine solve_near_flow
@@ -203,12 +219,22 @@ contains
       if (tracer%corrector%balance%highest /= wanted) call tracer%prepare(wanted)
    end subroutine solve_near
 
-   !> Harmonics of Lambda in an exact motion: as many as `solve_near` may need.
+   !> Harmonics of Lambda in one waveform of an exact motion: as many as `solve_near` may need.
    pure integer function exact_harmonics(tracer)
       type(tracer_type), intent(in) :: tracer
 
-      exact_harmonics = 1 + most_times*tracer%corrector%balance%highest/tracer%settings%subharmonic
+      exact_harmonics = 1 + most_times*tracer%corrector%balance%highest/(tracer%settings%subharmonic*tracer%settings%repeats)
    end function exact_harmonics
+
+   !> Turns a motion of the train with divided orders into a motion of the train, which repeats itself.
+   pure subroutine repeat_waveform(times, motion)
+      !> Divisor of the orders.
+      integer, intent(in) :: times
+      type(motion_type), intent(inout) :: motion
+
+      if (times == 1) return
+      call repeat_motion(times, times*((size(motion%coefficients, 1) - 1)/2), motion)
+   end subroutine repeat_waveform
 
    !> Follows a branch from one Lambda to another, for its last motion only.
    subroutine follow_branch(train, settings, from, to, from_rest, motion, success, stopped, observer)
