@@ -24,11 +24,18 @@ def derivative(point, name):
     return value, " ".join(str(warning.message) for warning in told)
 
 
+def nearest(point, points):
+    """The point of a list that has the kind of another point and lies next to it."""
+    return min((other for other in points if other.kind == point.kind), key=lambda other: abs(other.frequency - point.frequency),
+               default=None)
+
+
 def compare(respond, name, value, kinds=("fold", "period doubling", "neimark-sacker"), steps=STEPS, noise=NOISE):
     """How many derivatives agree with differences of the lists and how many are refused; any other one fails."""
     here = respond(value).special_points
     sides = {step: respond(value * (1 + step)).special_points for step in (*steps, *(-step for step in steps))}
-    alike = list(takewhile(lambda rows: len({row.kind for row in rows}) == 1
+    # A list may have a point more than another: from there on points at equal places are different points.
+    alike = list(takewhile(lambda rows: all(nearest(rows[0], side) is row for row, side in zip(rows[1:], sides.values()))
                            and np.ptp([row.frequency for row in rows]) < 1e-3 * rows[0].frequency, zip(here, *sides.values())))
     agreed = refused = 0
     for point, *others in alike:

@@ -27,8 +27,9 @@ module geartrain_continuation_stability_changes
    !> Imaginary part over magnitude up to which a pair is two real multipliers, as of equal stages that are nearly decoupled.
    real(dp), parameter :: real_enough = 1e-6_dp
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
-   !> circle, at the latest two places, up to which the chord through them is exact enough.
-   real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp
+   !> circle, and of the place from the change as a share of the step, up to which the chord through the latest two places is taken;
+   !> product of the two distances at these places, to which the error of the chord is proportional.
+   real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp, closely = 1e-12_dp
    !> Distance from +1 within which a real multiplier may pass +1 at an end of a piece; length of a piece, as a share of the step,
    !> in which no more hidden pairs are sought.
    real(dp), parameter :: next_to_one = 0.02_dp, least = 1e-3_dp
@@ -203,7 +204,7 @@ contains
       !> Distance of the point from the beginning of the piece [1].
       real(dp), intent(out) :: s
       complex(dp) :: multipliers(size(first))
-      real(dp) :: a, b, fa, fb, f, f_before, s_before
+      real(dp) :: a, b, fa, fb, f, f_before, s_before, before, chord
       integer :: i, kept, critical(3), number
       logical :: success
 
@@ -211,6 +212,8 @@ contains
       number = critical(kind)
       kept = 0
       f_before = 1
+      s_before = 0
+      before = 0
       a = from
       b = to
       fa = excess(first, kind, number)
@@ -222,16 +225,25 @@ contains
          call find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
          if (.not. success) return
          f = excess(multipliers, kind, number)
+         ! How far the chord through the latest two places leads: where multipliers hardly change, as of a train of little damping,
+         ! a multiplier next to the circle may be far from where it passes.
+         chord = huge(chord)
+         if (i > 1 .and. abs(f - f_before) > 0) chord = -f*(s - s_before)/(f - f_before)
          ! An excess of 0 to rounding, from below, may belong to a multiplier that stays on the circle.
-         if (i > 1 .and. abs(f) < nearly .and. abs(f*f_before) < nearly**2 .and. (f > 0 .or. f < -10*neutral)) then
-            if (abs(f - f_before) > 0) solution%frequency_ratio = solution%frequency_ratio - solution%tangent_frequency* &
-                 f*(s - s_before)/(f - f_before)
-            return
+         if (max(abs(f), abs(chord)/(to - from)) < nearly .and. (f > 0 .or. f < -10*neutral)) then
+            if (max(abs(f*f_before), abs(chord*(s + chord - s_before))/(to - from)**2) < closely) then
+               ! Lambda is that of the chord as well: s is a place on the cubic through the ends, along which Lambda grows by
+               ! another amount than along the branch.
+               solution%frequency_ratio = solution%frequency_ratio + chord*(solution%frequency_ratio - before)/(s - s_before)
+               s = s + chord
+               return
+            end if
          end if
          call shrink(a, b, fa, fb, s, f, kept)
          if (b - a < located*(to - from)) return
          f_before = f
          s_before = s
+         before = solution%frequency_ratio
       end do
    end subroutine locate
 
