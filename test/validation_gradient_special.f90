@@ -9,7 +9,7 @@ module validation_gradient_special
    use geartrain_model_parameter_table, only: parameter_type
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
-   use testing, only: full, nightly, tests_type
+   use testing, only: full, tests_type
    implicit none (type, external)
    private
    public :: gradient_special_tests
@@ -18,6 +18,8 @@ module validation_gradient_special
    integer, parameter :: most_points = 12
    !> Error of a derivative of the library, relative [1]; room for the largest of many derivatives over their estimated errors.
    real(dp), parameter :: exact = 5e-8_dp, room = 20
+   !> In place of a difference of Lambda [1] where the point of a changed train is not found: it agrees with no other difference.
+   real(dp), parameter :: unknown = 1e30_dp
 
 contains
 
@@ -39,13 +41,17 @@ contains
       found = 0
       call compare_special(tests, 'figure 3', paper_train(), settings_of(0.4_dp, 4.2_dp, 8), found)
       call compare_special(tests, 'pair', single_pair(0.05_dp, 0.3_dp, 0.4_dp), settings_of(0.3_dp, 3.0_dp, 10), found)
+      call random_train(8, train, settings)
+      call compare_special(tests, 'a pair leaves the circle', train, settings, found)
+      ! How many points the random chains below have is a matter of rounding: branches through chaos differ from one another.
+      ! These three branches have few points, far from one another, and all of them are compared: 8, 2 and 1 folds, 4 and 2 period
+      ! doublings, 3 Neimark-Sacker points.
+      call tests%is_true(all(found >= [11, 6, 3]), 'folds, period doublings and Neimark-Sacker points compared: ' &
+                         //integer_text(found(1))//', '//integer_text(found(2))//' and '//integer_text(found(3)))
       do i = 1, tests%times(8)
          call random_train(i + 1000*tests%seed, train, settings)
          call compare_special(tests, 'chain '//integer_text(i), train, settings, found)
       end do
-      call tests%is_true(all(found >= merge([10, 4, 1], [6, 1, 0], tests%tier(nightly))) .or. tests%seed > 0, &
-                         'folds, period doublings and Neimark-Sacker points compared: ' &
-                         //integer_text(found(1))//', '//integer_text(found(2))//' and '//integer_text(found(3)))
    end subroutine special_points
 
    subroutine compare_special(tests, what, train, settings, found)
@@ -128,7 +134,9 @@ contains
          if (allocated(error)) return
          call change(train, parameter, -h, other)
          call special_gradient(other, branch, i, names(:0), changed(2), error)
-         if (.not. allocated(error)) difference = changed(1)%frequency_ratio - changed(2)%frequency_ratio
+         if (allocated(error)) return
+         difference = changed(1)%frequency_ratio - changed(2)%frequency_ratio
+         if (.not. min(changed(1)%frequency_ratio, changed(2)%frequency_ratio) > 0) difference = unknown
       end subroutine find_difference
 
    end subroutine compare_special

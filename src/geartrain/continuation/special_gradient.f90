@@ -34,6 +34,9 @@ module geartrain_continuation_special_gradient
    character(*), parameter :: abrupt = 'the multipliers change too abruptly next to the special point'
    !> Error of a derivative, relative to its two parts, above which there is none.
    real(dp), parameter :: unsettled = 1e-5_dp
+   !> Error up to which a derivative is known however small it is: change of Lambda over Lambda, per change of the parameter over
+   !> the parameter. The two parts of a derivative that is 0 are rounding.
+   real(dp), parameter :: settled = 1e-9_dp
 
 contains
 
@@ -79,7 +82,7 @@ contains
             return
          end if
          call listed%find(given%system, branch, special, found, reason)
-         gradient%frequency_ratio = listed%solution%frequency_ratio
+         if (found) gradient%frequency_ratio = listed%solution%frequency_ratio
          gradient%reason = reason
          if (found .and. reason == '') call find_rates(given, listed, point%kind == 'fold', point%kind == 'period doubling', &
                                                        gradient)
@@ -183,12 +186,20 @@ contains
          end do
          ratio = listed%solution%tangent_frequency/along%value
          off = abs(ratio)*(across%error + abs(across%value/along%value)*along%error)
-         if (off <= unsettled*(abs(y) + abs(ratio*across%value))) then
+         if (off <= max(unsettled*(abs(y) + abs(ratio*across%value)), floor_of(n))) then
             gradient%values(1, n) = y - ratio*across%value
          else
             gradient%reason(n) = abrupt
          end if
       end subroutine go_along_parameter
+
+      !> Error of a derivative at which it is settled, however small it is; 0 for a parameter of value 0, which has no scale.
+      real(dp) function floor_of(n)
+         integer, intent(in) :: n
+
+         floor_of = 0
+         if (given%value_of(n) > 0) floor_of = settled*listed%solution%frequency_ratio/given%value_of(n)
+      end function floor_of
 
       !> What is 0 at the crossing, of the train with another value of the parameter.
       subroutine value_at(change, f, allowed, known)
