@@ -171,7 +171,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "parameter_stop": Variable("parameter_to", "real", "float", None, True, "Its other end; >= 0"),
         "parameter_points": Variable("parameter_points", "integer", "int", 200, False, "Values of the parameter in the range, both ends included; >= 1 and <= 10000"),
         "linear": Variable("linear", "logical", "bool", False, False, "The train without backlash, all teeth in contact: where its parametric resonances are; else the motions on the branch of every row"),
-        "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda of the motions; not used by a linear map; >= 1 and <= 1000"),
+        "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda of the motions; 0: chosen by the program for each point, as trains with teeth need; not used by a linear map; >= 1 and <= 1000, or 0"),
+        "tolerance": Variable("tolerance", "real", "float", 0.0001, False, "Relative error of the waveform aimed at where harmonics = 0; > 0 and <= 1"),
         "long_period": Variable("long_period", "logical", "bool", False, False, "Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth: minutes to days"),
     },
     "run_up": {
@@ -408,6 +409,7 @@ class StabilityMapKeywords(TypedDict, total=False):
     parameter_points: int
     linear: bool
     harmonics: int
+    tolerance: float
     long_period: bool
 
 

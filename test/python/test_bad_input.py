@@ -320,7 +320,8 @@ def test_messages_have_the_words_of_the_call():
     train = paper_train()
     ends = {"start": 0.5, "stop": 0.5}
     rows = {"parameter_start": 0.1, "parameter_stop": 0.1}
-    slow = "the train vibrates too often in a slower period"
+    slow = ("at a slower speed there are some 10000 vibrations or more of the slowest mesh in a cycle of the teeth of mesh 1, too "
+            "many to be followed; begin there: a slower train follows its loads and errors without vibration")
     rigid = gt.Shaft(rigid=True, stiffness=1.0)
     for work, *told in (
         (lambda: train.response(start=-1, stop=2.0), "&response: start = -1.0: must be > 0"),

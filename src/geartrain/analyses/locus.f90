@@ -5,7 +5,7 @@ module geartrain_analyses_locus
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
-   use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input
+   use geartrain_base_error, only: error_type, fatal, in_a_line, status_ended_early, status_input
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
@@ -142,7 +142,7 @@ contains
          end if
          call find_path(train, self%settings%parameter, self%settings%near*lambda_per(train, self%settings%unit), &
                         self%settings%start, self%settings%stop, path, wrong)
-         if (allocated(wrong)) call checker%complain('parameter', "'"//trim(self%settings%parameter)//"'", wrong%message)
+         if (allocated(wrong)) call checker%complain('parameter', "'"//trim(self%settings%parameter)//"'", in_a_line(wrong%message))
       end subroutine check_path
 
    end subroutine check

@@ -3,7 +3,7 @@
 module geartrain_analyses_stability_grid
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
-   use geartrain_base_error, only: error_type
+   use geartrain_base_error, only: error_type, in_a_line
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
@@ -11,7 +11,7 @@ module geartrain_analyses_stability_grid
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
    use geartrain_model_check, only: check_train
-   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_drawing, only: drop_drawing, plain_train
    use geartrain_model_frequency_unit, only: check_unit, unit_length, visit_unit
    use geartrain_model_limits, only: check_common_period, check_frequency, check_harmonics
    use geartrain_model_long_period, only: check_long_period, visit_long_period
@@ -25,7 +25,8 @@ module geartrain_analyses_stability_grid
    real(dp), parameter :: zero = 0, one = 1
    !> Largest number of points along either side of the map.
    real(dp), parameter :: most_points = 10000
-   integer, parameter :: most_harmonics = 1000
+   !> Most harmonics of every motion, and highest harmonic where the program chooses them.
+   integer, parameter :: most_harmonics = 1000, highest_chosen = 100000
 
    character(*), parameter :: home = '/stability_map', grid = 'parameter frequency'
 
@@ -46,8 +47,10 @@ module geartrain_analyses_stability_grid
       integer :: parameter_points = 200
       !> Whether the map is one of the train without backlash, all teeth in contact.
       logical :: linear = .false.
-      !> Harmonics of the branch of each row, as in &response; not used by a linear map.
+      !> Harmonics of the branch of each row, as in &response, 0: chosen by the program for each point; not used by a linear map.
       integer :: harmonics = 6
+      !> Relative error of the waveform aimed at where harmonics = 0.
+      real(dp) :: tolerance = 1e-4_dp
       !> Whether it is computed even where the period is long.
       logical :: long_period = .false.
    end type stability_map_settings_type
@@ -120,8 +123,11 @@ contains
                             most=most_points), settings%parameter_points)
       call v%on_logical(row('linear', '', 'the train without backlash, all teeth in contact: where its parametric resonances &
                             &are; else the motions on the branch of every row'), settings%linear)
-      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda of the motions; not used by a linear map', least=one, &
-                            most=most_harmonics*one), settings%harmonics)
+      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda of the motions; 0: chosen by the program for each point, as &
+                            &trains with teeth need; not used by a linear map', least=one, most=most_harmonics*one, &
+                            automatic=zero), settings%harmonics)
+      call v%on_real(row('tolerance', '', 'relative error of the waveform aimed at where harmonics = 0', above=zero, most=one), &
+                     settings%tolerance)
       call visit_long_period(settings%long_period, v)
       call v%leave()
    end subroutine visit_stability_map
@@ -169,7 +175,7 @@ contains
       call check_common_period(train, 'stability_map', checker, within)
       if (within) call check_long_period(train, 'stability_map', 'every point takes multipliers over a period', &
                                          settings%long_period, checker)
-      if (within .and. .not. settings%linear) call check_harmonics(train, settings%harmonics, 1, 0, checker)
+      if (within .and. .not. settings%linear) call check_harmonics(train, settings%harmonics, 1, highest_chosen, checker)
       if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
          call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                'has no influence on the stability of the linear train: leave out linear = .true.')
@@ -198,7 +204,7 @@ contains
          if (allocated(wrong)) return
          call check_train(train_with(train, settings, value), wrong)
          if (allocated(wrong)) call checker%complain(name, real_text(value), 'must be a value with which the train can be &
-            &computed: '//wrong%message(:index(wrong%message//new_line('a'), new_line('a')) - 1))
+            &computed: '//in_a_line(wrong%message))
       end subroutine check_end
 
    end subroutine check_consistency
@@ -216,6 +222,7 @@ contains
       integer :: j
 
       call plain_train(train, changed)
+      call drop_drawing(changed%meshes)
       if (settings%linear) changed%meshes%half_backlash = 0
       select case (settings%parameter)
       case ('stiffness_variation')

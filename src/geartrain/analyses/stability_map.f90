@@ -309,6 +309,7 @@ contains
       branch_settings%stop = settings%stop
       branch_settings%unit = settings%unit
       branch_settings%harmonics = settings%harmonics
+      branch_settings%tolerance = settings%tolerance
       branch_settings%stability = .false.
       call response(train, branch_settings, branch, error)
       row%whole = branch%complete .and. .not. allocated(error)

@@ -3,7 +3,7 @@ module geartrain_base_error
    use geartrain_base_plain_text, only: escaped, escaped_lines
    implicit none (type, external)
    private
-   public :: error_type, fatal, status_input, status_ended_early, status_file, status_memory
+   public :: error_type, fatal, in_a_line, status_input, status_ended_early, status_file, status_memory
 
    !> Exit statuses of the executable: bad input, an analysis that ended early, a failure of the file system.
    integer, parameter :: status_input = 2, status_ended_early = 3, status_file = 4
@@ -47,5 +47,20 @@ contains
          if (present(status)) error%status = status
       end if
    end subroutine fatal
+
+   !> Message of an error as part of a sentence: the first of its lines, and how many there are beside it.
+   pure function in_a_line(message) result(line)
+      !> The message, one problem a line.
+      character(*), intent(in) :: message
+      character(:), allocatable :: line
+      character(12) :: more
+      integer :: i, n
+
+      line = message(:index(message//new_line('a'), new_line('a')) - 1)
+      n = count([(message(i:i) == new_line('a'), i=1, len(message))])
+      if (n == 0) return
+      write (more, '(i0)') n
+      line = line//' (and '//trim(more)//' more)'
+   end function in_a_line
 
 end module geartrain_base_error

@@ -1,7 +1,7 @@
 !> The table of input variables: the group &response, with its checks.
 module geartrain_continuation_variables
    use geartrain_base_checker, only: checker_type
-   use geartrain_base_error, only: error_type
+   use geartrain_base_error, only: error_type, in_a_line
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
@@ -200,7 +200,7 @@ contains
          if (.not. lambda_per(train, settings%unit) > 0) return
          call path%setup(train, settings%parameter, settings%frequency*lambda_per(train, settings%unit), settings%start, &
                          settings%stop, wrong)
-         if (allocated(wrong)) call checker%complain('parameter', "'"//trim(settings%parameter)//"'", wrong%message)
+         if (allocated(wrong)) call checker%complain('parameter', "'"//trim(settings%parameter)//"'", in_a_line(wrong%message))
       end subroutine check_path
 
    end subroutine check_response_consistency

@@ -130,7 +130,15 @@ contains
                                      integer_text(nint(mesh%teeth(i)))//' teeth meet below it')
             end if
          end do
-         if (.not. g%working_angle > 0) then
+         if (.not. g%working_angle > 0 .and. .not. abs(mesh%centre_distance) > 0) then
+            ! inv(alpha_wt) > 0, see `find_geometry`; without shifts there is always such a distance.
+            pitch = tan(mesh%pressure_angle*pi/180)
+            gap = (tan(g%transverse_angle) - g%transverse_angle)/(2*pitch)*merge(abs(mesh%teeth(2) - mesh%teeth(1)), &
+                                                                                -sum(mesh%teeth), mesh%internal)
+            call checker%complain('profile_shift', real_text(mesh%profile_shift(1))//', '//real_text(mesh%profile_shift(2)), &
+               'must have a sum '//trim(merge('<', '>', mesh%internal))//' '//text(gap)// &
+               ': otherwise the flanks touch without backlash at no centre distance')
+         else if (.not. g%working_angle > 0) then
             call checker%complain('centre_distance', real_text(mesh%centre_distance), 'must be larger than that of the base &
                &circles, '//text(g%reference_distance*cos(g%transverse_angle))//' m')
          else if (g%distance_backlash*cos(g%working_angle) < -rounding*mesh%normal_module) then
@@ -240,8 +248,10 @@ contains
       call checker%leave()
       if (allocated(train%bodies)) then
          do i = 1, size(train%bodies)
-            if (toothed .or. unknown .or. .not. (is_given(train%bodies(i)%revolution_torque_cos) .or. &
-                                    is_given(train%bodies(i)%revolution_torque_sin))) cycle
+            ! A plain train has no teeth any more, but the speed that followed from them.
+            if (toothed .or. unknown .or. train%speed_ratio > 0) cycle
+            if (.not. (is_given(train%bodies(i)%revolution_torque_cos) .or. &
+                       is_given(train%bodies(i)%revolution_torque_sin))) cycle
             call checker%enter('body', i)
             call checker%complain(trim(merge('revolution_torque_cos', 'revolution_torque_sin', &
                                              is_given(train%bodies(i)%revolution_torque_cos))), '...', &

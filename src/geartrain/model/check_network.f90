@@ -185,14 +185,35 @@ contains
          if (any([(any(mesh_ends(:, j) == i) .and. checker%drawing_is_wrong('mesh', j), j=1, size(train%meshes))])) cycle
          call checker%enter('body', i)
          if (train%bodies(i)%inertia < 0) then
-            call checker%lacks('inertia', '> 0 kg m^2', ' or outer_diameter and width, or gears with teeth, normal_module and &
-                               &face_width')
+            if (carries_ring(i)) then
+               call checker%lacks('inertia', '> 0 kg m^2', " or outer_diameter, bore and width of '"//train%bodies(i)%name// &
+                                  "': an internal gear is a ring, whose inertia does not follow from its teeth")
+            else
+               call checker%lacks('inertia', '> 0 kg m^2', ' or outer_diameter and width, or gears with teeth, normal_module &
+                                  &and face_width')
+            end if
          else
             call checker%complain('inertia', real_text(train%bodies(i)%inertia), 'must be > 0 kg m^2 on a mesh or an elastic &
                                   &shaft')
          end if
          call checker%leave()
       end do
+
+   contains
+
+      !> Whether a body is the larger gear of an internal pair.
+      pure logical function carries_ring(body)
+         integer, intent(in) :: body
+         integer :: j, k
+
+         carries_ring = .false.
+         do j = 1, size(train%meshes)
+            if (.not. train%meshes(j)%internal) cycle
+            k = merge(1, 2, train%meshes(j)%driving_radius > train%meshes(j)%driven_radius)
+            carries_ring = carries_ring .or. mesh_ends(k, j) == body
+         end do
+      end function carries_ring
+
    end subroutine check_inertias
 
    !> No mesh and no elastic shaft joins two bodies that rigid shafts make one.

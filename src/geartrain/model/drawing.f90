@@ -19,7 +19,7 @@ module geartrain_model_drawing
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
+   public :: drop_drawing, gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
 
    !> A gear as a disc.
    type :: gear_type
@@ -50,6 +50,23 @@ contains
          call put_pair(train%meshes(i), plain%meshes(i))
       end do
    end subroutine plain_train
+
+   !> Removes the dimensions of the gears from a plain train, whose radii, stiffnesses and inertias were derived from them:
+   !> `check_train` then accepts the train, and nothing is derived anew when a derived value is changed to 0.
+   elemental subroutine drop_drawing(mesh)
+      !> A mesh of a plain train.
+      type(mesh_type), intent(inout) :: mesh
+
+      if (allocated(mesh%teeth)) deallocate (mesh%teeth)
+      if (allocated(mesh%profile_shift)) deallocate (mesh%profile_shift)
+      if (allocated(mesh%tip_diameter)) deallocate (mesh%tip_diameter)
+      if (allocated(mesh%bore)) deallocate (mesh%bore)
+      mesh%normal_module = 0
+      mesh%helix_angle = 0
+      mesh%face_width = 0
+      mesh%centre_distance = 0
+      mesh%backlash = 0
+   end subroutine drop_drawing
 
    !> Sets orders of meshes and bodies, the speed and, where they are not given, the characteristic values.
    pure subroutine put_orders(train, plain)

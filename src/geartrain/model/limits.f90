@@ -54,10 +54,22 @@ contains
       own = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))/factor
       ! The fundamental of hunting teeth is as slow as many periods of a mesh are long.
       least = slowest*own/minval(train%meshes%order)
-      if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)// &
-         ': the train vibrates too often in a slower period')
+      if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)//': at a slower &
+         &speed there are some '//integer_text(nint(1/slowest))//' vibrations or more of the slowest mesh'//engaged()// &
+         ', too many to be followed; begin there: a slower train follows its loads and errors without vibration')
       if (.not. value <= fastest*own) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*own)// &
          ': the train does not follow a faster frequency')
+
+   contains
+
+      !> In which cycle the vibrations are counted: of the mesh whose teeth engage least often.
+      function engaged() result(words)
+         character(:), allocatable :: words
+
+         words = ' in a cycle of its teeth'
+         if (size(train%meshes) > 1) words = ' in a cycle of the teeth of mesh '//integer_text(minloc(train%meshes%order, 1))
+      end function engaged
+
    end subroutine check_frequency
 
    !> Adds a problem where the period of the fundamental has more cycles of a mesh than an analysis of whole periods can take. Time

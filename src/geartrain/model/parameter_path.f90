@@ -2,7 +2,7 @@
 !> its systems from. All systems of a path have the same units and the same unknowns.
 module geartrain_model_parameter_path
    use geartrain_base_checker, only: checker_type
-   use geartrain_base_error, only: error_type, fatal
+   use geartrain_base_error, only: error_type, fatal, in_a_line
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text
    use geartrain_model_check, only: check_train
@@ -164,7 +164,7 @@ contains
          call checker%problems%raise('', found)
       end if
       if (allocated(found)) then
-         call refuse(found%message)
+         call refuse(in_a_line(found%message))
          return
       end if
       call plain_train(train, plain)

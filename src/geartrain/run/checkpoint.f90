@@ -2,7 +2,7 @@
 module geartrain_run_checkpoint
    use, intrinsic :: iso_fortran_env, only: int64, int8
    use geartrain_analyses_list, only: case_type, results_type
-   use geartrain_base_error, only: error_type, fatal, status_file
+   use geartrain_base_error, only: error_type, fatal, in_a_line, status_file
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
@@ -109,7 +109,7 @@ contains
       call system_clock(self%last)
       self%cost = real(self%last - begin, dp)/real(rate, dp)
       if (allocated(error) .and. .not. self%failed .and. associated(self%observer)) &
-         call self%observer%on_trouble(error%message//'; the run goes on without this checkpoint')
+         call self%observer%on_trouble(in_a_line(error%message)//'; the run goes on without this checkpoint')
       self%failed = allocated(error)
    end subroutine write_now
 
