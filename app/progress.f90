@@ -88,6 +88,7 @@ contains
       if (allocated(case%integration)) call tell('integration', case%integration%unit)
       if (allocated(case%attractors)) call tell('attractors', case%attractors%unit)
       if (allocated(case%bifurcation_diagram)) call tell('bifurcation_diagram', case%bifurcation_diagram%unit)
+      if (allocated(case%basins)) call tell('basins', case%basins%unit)
       if (allocated(case%run_up)) call tell('run_up', case%run_up%unit)
       if (allocated(case%locus)) call tell('locus', case%locus%unit)
       where (progress%told%unit /= 'Lambda') progress%told%decimals = 2
@@ -145,6 +146,7 @@ contains
       self%last = now
       steps = 'points'
       if (number > 0) steps = analyses(number)%steps
+      if (analysis == 'random starts') steps = 'starts'
       if (analysis == 'settling') steps = 'periods'
       if (analysis == 'settling by time') steps = 'tooth periods'
       line = analysis//': '//integer_text(done)//' '//trim(steps)
@@ -202,6 +204,8 @@ contains
       select case (analysis)
       case ('refinement')
          number = number_of('response')
+      case ('random starts')
+         number = number_of('basins')
       case ('settling', 'settling by time')
          number = number_of('integration')
       case default

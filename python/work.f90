@@ -73,7 +73,8 @@ contains
       end if
       if (analysis == 'modes') return
       ! The periods of the fundamental of a motion that settles are no points of the analysis.
-      if (analysis /= 'settling' .and. analysis /= 'settling by time') progress(2) = done
+      ! The random starts of basins are none of its rows.
+      if (analysis /= 'settling' .and. analysis /= 'settling by time' .and. analysis /= 'random starts') progress(2) = done
       progress(3) = frequency_ratio
       if (progress(1) > 0) keep_going = .false.
       if (self%measures .and. keep_going) call self%room%look(analysis, self%case, self%results, keep_going)

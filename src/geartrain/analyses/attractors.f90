@@ -14,7 +14,7 @@ module geartrain_analyses_attractors
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_base_random, only: begin_random, generator_type
+   use geartrain_base_shared_observer, only: shared_observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_aperiodic, only: aperiodic_type
    use geartrain_flow_fields, only: visit_motions
@@ -22,14 +22,13 @@ module geartrain_analyses_attractors
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: need_to_settle, settle
-   use geartrain_flow_start_state, only: resting_state
+   use geartrain_flow_start_state, only: random_state
    use geartrain_model_check, only: check_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_long_period, only: check_long_period, visit_long_period
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
-   use geartrain_model_units, only: mesh_frequencies
    implicit none (type, external)
    private
    public :: attractors, attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type, check_attractors, &
@@ -184,7 +183,7 @@ contains
    end subroutine tell_end
 
    !> Settles settings%starts random states, in parallel; the results do not depend on the number of threads.
-   subroutine attractors(train, settings, found, error, observer)
+   subroutine attractors(train, settings, found, error, observer, spoken)
       !> The train as described.
       type(train_type), intent(in) :: train
       !> Frequency, starts and what else &attractors asks for.
@@ -193,8 +192,11 @@ contains
       !> target: an observer may read the motions so far through a pointer.
       type(attractors_type), intent(inout), target :: found
       type(error_type), allocatable, intent(out) :: error
-      !> Told of 'attractors' after each batch of starts; may end the search.
-      class(observer_type), intent(inout), optional :: observer
+      !> Told of 'attractors' after each start, and meanwhile; may end the search, which then holds the starts of whole batches.
+      class(observer_type), intent(inout), optional, target :: observer
+      !> What the observer is told of in place of 'attractors', where the search is a part of other work.
+      character(*), intent(in), optional :: spoken
+      type(shared_observer_type) :: shared
       type(attractors_type) :: empty
       type(integration_settings_type) :: integration
       type(system_type), target :: system
@@ -205,7 +207,7 @@ contains
       real(dp), allocatable :: state(:)
       integer, allocatable :: hits(:)
       integer :: first, last, i
-      logical :: keep_going
+      logical :: keep_going, stopped
 
       if (allocated(found%ended) .or. .not. allocated(found%motions)) found = empty
       call check_train(train, error)
@@ -228,16 +230,24 @@ contains
          if (found%motions(i)%period == 0) call wander(found%motions(i), known(i))
       end do
       keep_going = .true.
+      shared%name = 'attractors'
+      if (present(spoken)) shared%name = spoken
+      if (present(observer)) shared%observer => observer
+      shared%frequency_ratio = found%frequency_ratio
       do first = found%starts + 1, settings%starts, batch
          last = first + min(batch - 1, settings%starts - first)
-         !$omp parallel do private(state) schedule(dynamic)
+         shared%done = found%starts
+         shared%pieces_done = 0
+         !$omp parallel do private(state, stopped) schedule(dynamic)
          do i = first, last
             state = random_state(system, settings%random_seed, i)
-            call settle(system, found%frequency_ratio, integration, state, settled(i - first + 1))
+            call settle(system, found%frequency_ratio, integration, state, settled(i - first + 1), shared, stopped)
+            if (stopped) cycle
             if (settled(i - first + 1)%kind == 'undecided') call wander(settled(i - first + 1), wandering(i - first + 1))
+            call shared%add()
          end do
          !$omp end parallel do
-         if (train%interrupt%raised()) exit
+         if (train%interrupt%raised() .or. .not. shared%keep_going) exit
          do i = 1, last - first + 1
             call collect(settled(i), error_share*settings%tolerance, found%motions, hits, wandering=wandering(i), known=known)
          end do
@@ -245,7 +255,7 @@ contains
          found%starts = last
          found%motions%share = hits/real(last, dp)
          found%unsettled = (last - sum(hits))/real(last, dp)
-         if (present(observer)) call observer%on_step('attractors', last, found%frequency_ratio, keep_going)
+         if (present(observer)) call observer%on_step(shared%name, last, found%frequency_ratio, keep_going)
          if (.not. keep_going) exit
       end do
       found%complete = found%starts == settings%starts
@@ -267,31 +277,6 @@ contains
       end subroutine wander
 
    end subroutine attractors
-
-   !> A state with uniformly distributed mesh displacements, up to three times the larger of resting displacement and half backlash,
-   !> and velocities, up to this amplitude times the frequency of the mesh vibrating alone. Shafts are untwisted.
-   function random_state(system, seed, start) result(state)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: seed, start
-      real(dp), allocatable :: state(:)
-      real(dp) :: reach, frequency(system%meshes)
-      type(generator_type) :: generator
-      integer :: j
-
-      generator = begin_random(seed, start)
-      allocate (state(system%states))
-      state = resting_state(system)
-      frequency = mesh_frequencies(system)
-      do j = 1, system%meshes
-         associate (n => system%mesh_element(j))
-            ! The displacement of a mesh that closes a loop follows from the other meshes.
-            if (n > system%coordinates) cycle
-            reach = 3*max(abs(state(n)), system%half_backlash(j))
-            state(n) = reach*(2*generator%uniform() - 1)
-            state(system%displacements + n) = reach*frequency(j)*(2*generator%uniform() - 1)
-         end associate
-      end do
-   end function random_state
 
    !> Counts a settled motion as one of `motions`, or adds the motion to the list.
    subroutine collect(motion, uncertainty, motions, hits, place, wandering, known)

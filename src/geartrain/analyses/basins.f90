@@ -1,9 +1,10 @@
 !> The analysis &basins: which steady motion each start reaches, over displacement and velocity of a mesh at phase 0.
 !>
 !> The steady motions are found by random starts first (geartrain_analyses_attractors). Each start of the grid then flies by a
-!> tabulated map from section to section until it is in a ball about a known motion (geartrain_flow_recognition), and what is in
-!> none after `max_periods` is compared with the motions without period that are known (geartrain_flow_aperiodic), or else settled
-!> the long way, where it may find a further motion.
+!> tabulated map from section to section until it is in a ball about a known motion (geartrain_flow_recognition), or, without
+!> tables, until it clearly goes to one (geartrain_flow_approach). What has come to none after `max_periods` is compared with the
+!> motions without period that are known (geartrain_flow_aperiodic), or else settled the long way, where it may find a further
+!> motion.
 module geartrain_analyses_basins
    use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
    use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type, collect, error_share
@@ -18,8 +19,10 @@ module geartrain_analyses_basins
    use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_shared_observer, only: shared_observer_type
    use geartrain_base_variable, only: visitor_type
    use geartrain_flow_aperiodic, only: aperiodic_type
+   use geartrain_flow_approach, only: approach_type
    use geartrain_flow_bound, only: bound_type
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_recognition, only: recognition_type
@@ -43,6 +46,8 @@ module geartrain_analyses_basins
    integer, parameter :: batch = 256
    !> Periods of the fundamental after which the long way gives up, beyond `max_periods`.
    integer, parameter :: long_way = 64
+   !> Periods of the fundamental between two calls of the observer in a flight.
+   integer, parameter :: between_looks = 64
    !> Periods of the fundamental over which motions without period are averaged, and starts that are compared with them.
    integer, parameter :: average = 2000, short_average = 300
 
@@ -113,8 +118,9 @@ contains
       !> an observer may read the rows so far through a pointer.
       type(basins_type), intent(inout), target :: found
       type(error_type), allocatable, intent(out) :: error
-      !> Told of 'basins' after each batch of rows; may end the work.
-      class(observer_type), intent(inout), optional :: observer
+      !> Told of 'random starts' while motions are sought, then of 'basins', after each start, and meanwhile; may end the work,
+      !> which then holds the rows of whole batches.
+      class(observer_type), intent(inout), optional, target :: observer
       !> Motion whose state at phase 0 the starts have but for the displacement and the velocity of the mesh; absent: at rest.
       type(motion_type), intent(in), optional :: start
       type(basins_settings_type), target :: copy
@@ -124,6 +130,7 @@ contains
       type(recognition_type), allocatable :: known(:)
       type(aperiodic_type), allocatable :: wandering(:)
       integer, allocatable :: hits(:)
+      type(shared_observer_type) :: shared
       integer :: done, rows, i
       logical :: keep_going
 
@@ -133,8 +140,9 @@ contains
       if (.not. allocated(error)) call analysis%check_alone(train, error)
       if (allocated(error)) return
       call build_system(train, system)
-      if (allocated(found%ended) .or. .not. allocated(found%label)) call begin(train, system, settings, found, error, start)
-      if (allocated(error) .or. train%interrupt%raised()) return
+      if (allocated(found%ended) .or. .not. allocated(found%label)) &
+         call begin(train, system, settings, found, error, start, observer)
+      if (allocated(error) .or. .not. allocated(found%label)) return
       call map%setup(system, found%frequency_ratio)
       allocate (known(0), wandering(size(found%motions)))
       do i = 1, size(wandering)
@@ -142,13 +150,19 @@ contains
       end do
       hits = [(0, i=1, size(found%motions))]
       keep_going = .true.
+      shared%name = 'basins'
+      if (present(observer)) shared%observer => observer
+      shared%frequency_ratio = found%frequency_ratio
+      shared%pieces = settings%displacement_points
       rows = max(1, batch/settings%displacement_points)
       done = count(found%label(1, :) /= not_done)
       do while (done < settings%velocity_points .and. keep_going)
          call recognise_more(system, map, found%motions, known)
          i = min(done + rows, settings%velocity_points)
-         call label_rows(system, settings, map, known, wandering, done + 1, i, found, hits)
-         if (train%interrupt%raised()) then
+         shared%done = done
+         shared%pieces_done = 0
+         call label_rows(system, settings, map, known, wandering, done + 1, i, found, hits, shared)
+         if (train%interrupt%raised() .or. .not. shared%keep_going) then
             found%label(:, done + 1:i) = not_done
             exit
          end if
@@ -159,13 +173,14 @@ contains
    end subroutine basins
 
    !> Finds motions by random starts, and makes the grid.
-   subroutine begin(train, system, settings, found, error, start)
+   subroutine begin(train, system, settings, found, error, start, observer)
       type(train_type), intent(in) :: train
       type(system_type), intent(in) :: system
       type(basins_settings_type), intent(in) :: settings
       type(basins_type), intent(inout) :: found
       type(error_type), allocatable, intent(inout) :: error
       type(motion_type), intent(in), optional :: start
+      class(observer_type), intent(inout), optional :: observer
       type(attractors_settings_type) :: random
       type(attractors_type) :: by_chance
       ! Number of copies: the labels, the fields, a field on its way, the file that HDF5 makes of them and its bytes.
@@ -182,8 +197,8 @@ contains
       random%starts = settings%starts
       random%random_seed = settings%random_seed
       random%long_period = settings%long_period
-      call attractors(train, random, by_chance, error)
-      if (allocated(error) .or. train%interrupt%raised()) return
+      call attractors(train, random, by_chance, error, observer, 'random starts')
+      if (allocated(error) .or. .not. by_chance%complete) return
       found%frequency_ratio = by_chance%frequency_ratio
       found%mesh = settings%mesh
       found%starts = settings%starts
@@ -242,7 +257,7 @@ contains
    end subroutine recognise_more
 
    !> Labels the starts of some rows.
-   subroutine label_rows(system, settings, map, known, wandering, first, last, found, hits)
+   subroutine label_rows(system, settings, map, known, wandering, first, last, found, hits, shared)
       type(system_type), intent(in) :: system
       type(basins_settings_type), intent(in) :: settings
       type(section_map_type), intent(in) :: map
@@ -253,7 +268,10 @@ contains
       integer, intent(in) :: first, last
       type(basins_type), intent(inout) :: found
       integer, allocatable, intent(inout) :: hits(:)
+      !> Told of each start that is labelled, and meanwhile.
+      type(shared_observer_type), intent(inout) :: shared
       type(bound_type) :: bound
+      type(approach_type) :: approach
       type(integration_settings_type) :: integration
       type(motion_type), allocatable :: settled(:)
       type(aperiodic_type), allocatable :: these(:)
@@ -262,14 +280,18 @@ contains
       integer, allocatable :: left(:)
 
       call bound%setup(system, found%frequency_ratio)
+      do i = 1, size(known)
+         if (allocated(known(i)%attraction)) call approach%add(known(i)%attraction, i)
+      end do
       associate (points => size(found%displacement))
          !$omp parallel do private(state) schedule(dynamic, 8)
          do i = 1, size(label)
             state = found%base
             state(found%displacement_place) = found%displacement(mod(i - 1, points) + 1)
             state(found%velocity_place) = found%velocity(first + (i - 1)/points)
-            call label_start(system, settings%max_periods, map, bound, known, state, label(i))
+            call label_start(system, settings%max_periods, map, bound, known, approach, state, label(i), shared)
             states(:, i) = state
+            if (label(i) /= unsettled) call shared%add()
          end do
          !$omp end parallel do
          left = pack([(i, i=1, size(label))], label == unsettled)
@@ -278,13 +300,15 @@ contains
          integration%stability = .true.
          !$omp parallel do private(state) schedule(dynamic)
          do i = 1, size(left)
+            if (.not. shared%keep_going) cycle
             state = states(:, left(i))
             call these(i)%find(system, map, state, short_average)
             label(left(i)) = place_of(these(i), wandering)
-            if (label(left(i)) == unsettled) call settle(system, found%frequency_ratio, integration, state, settled(i))
+            if (label(left(i)) == unsettled) call settle(system, found%frequency_ratio, integration, state, settled(i), shared)
+            call shared%add()
          end do
          !$omp end parallel do
-         if (system%interrupt%raised()) return
+         if (system%interrupt%raised() .or. .not. shared%keep_going) return
          do i = 1, size(left)
             if (label(left(i)) > 0) cycle
             if (settled(i)%kind == 'undecided') then
@@ -314,34 +338,49 @@ contains
    end function place_of
 
    !> Flies one start until it is recognised.
-   subroutine label_start(system, max_periods, map, bound, known, state, label)
+   subroutine label_start(system, max_periods, map, bound, known, watches, state, label, shared)
       type(system_type), intent(in) :: system
       integer, intent(in) :: max_periods
       type(section_map_type), intent(in) :: map
       type(bound_type), intent(in) :: bound
       type(recognition_type), intent(in) :: known(:)
+      !> Watches of the motions that have no balls.
+      type(approach_type), intent(in) :: watches
       !> The start, then the latest state [1], (state).
       real(dp), intent(inout) :: state(:)
       !> Number of the motion, or `ran_away`, or `unsettled`.
       integer, intent(out) :: label
+      !> Told that the flight goes on.
+      type(shared_observer_type), intent(inout) :: shared
+      type(approach_type) :: approach
+      type(integration_settings_type) :: integration
       real(dp) :: limit
       integer :: i, k
-      logical :: lost
+      logical :: lost, keep_going
 
       limit = bound%limit(state)
       lost = .false.
       label = unsettled
+      approach = watches
       do k = 1, max_periods
          do i = 1, size(known)
             if (.not. known(i)%holds(state)) cycle
             label = i
             return
          end do
+         call approach%look(state, k - 1, integration%tolerance, i)
+         if (i > 0) label = i
+         if (i > 0) return
          call map%pass_period(state, lost)
          if (lost .or. system%interrupt%raised()) return
-         if (bound%holds(state, limit)) cycle
-         label = ran_away
-         return
+         if (.not. bound%holds(state, limit)) then
+            label = ran_away
+            return
+         end if
+         if (mod(k, between_looks) > 0) cycle
+         keep_going = .true.
+         call shared%on_step('settling', k, map%frequency_ratio, keep_going)
+         if (.not. keep_going) return
       end do
    end subroutine label_start
 

@@ -21,6 +21,8 @@ module geartrain_analyses_forecast
    integer, parameter :: least_points = 3
    !> Analyses of which the first motion takes longer than the others.
    character(*), parameter :: curves(*) = [character(8) :: 'response', 'run up', 'locus']
+   !> Time of an analysis over its forecast above which it is forecast anew; share by which the new forecast exceeds that time.
+   real(dp), parameter :: overdue = 2, ahead = 0.5_dp
    !> Share of the time above which a cost is named.
    real(dp), parameter :: most_of_it = 0.5_dp
 
@@ -36,6 +38,8 @@ module geartrain_analyses_forecast
       !> The analysis under way; whether its forecast has been given.
       character(24) :: analysis = ''
       logical :: given = .false.
+      !> Duration of the analysis that was forecast last [s].
+      real(dp) :: expected = 0
       !> Clock count of the latest step, and clock count at which the share of the analysis was `share_before`.
       integer(int64) :: latest = 0, begin = 0
       !> Time of the analysis before `begin`, which says nothing of its steps [s].
@@ -50,6 +54,7 @@ module geartrain_analyses_forecast
    contains
       procedure :: start
       procedure :: look
+      procedure, private :: renew
       procedure, private :: share_done
       procedure, private :: causes
    end type forecast_type
@@ -85,9 +90,11 @@ contains
       real(dp) :: elapsed, rest, whole
 
       sentence = ''
-      ! The motions that settle are parts of a step.
-      if (analysis == 'settling') return
       call system_clock(now, rate)
+      if (self%given .and. (analysis == self%analysis .or. analysis(:min(8, len(analysis))) == 'settling')) &
+         call self%renew(real(now - self%begin, dp)/real(rate, dp), case, sentence)
+      ! The motions that settle are parts of a step.
+      if (sentence /= '' .or. analysis == 'settling' .or. analysis == 'settling by time') return
       if (analysis /= self%analysis) then
          self%analysis = analysis
          self%given = .false.
@@ -120,10 +127,33 @@ contains
       whole = self%lead + elapsed + rest
       if (.not. (whole >= worth_telling .and. rest >= worth_telling/2)) return
       self%given = .true.
+      self%expected = whole
       call self%causes(whole, elapsed, case, results, sentence)
       sentence = analysis//': about '//trim(duration_text(whole))//' expected'//sentence
       if (len(sentence) > forecast_length) sentence = sentence(:forecast_length)
    end subroutine look
+
+   !> Forecasts an analysis anew that takes much longer than it was forecast, also within a step.
+   subroutine renew(self, elapsed, case, sentence)
+      class(forecast_type), intent(inout) :: self
+      !> Time since `begin` [s].
+      real(dp), intent(in) :: elapsed
+      !> The case.
+      type(case_type), intent(in) :: case
+      !> 'integration: about 5 min expected, not 40 s', or ''.
+      character(:), allocatable, intent(inout) :: sentence
+      real(dp) :: whole
+
+      if (self%lead + elapsed < overdue*self%expected) return
+      ! What is done of the present step is not known.
+      whole = self%lead + max((1 + ahead)*elapsed, elapsed*(1 - self%share_before)/max(self%share - self%share_before, 1e-3_dp))
+      sentence = trim(self%analysis)//': about '//trim(duration_text(whole))//' expected, not '// &
+                 trim(duration_text(self%expected))
+      self%expected = whole
+      if (self%analysis /= 'integration' .or. .not. allocated(case%integration)) return
+      if (case%integration%window == 0) sentence = sentence//': a motion repeats itself slowly or not at all; window = 100 of &
+         &&integration takes the figures from 100 cycles of the slowest mesh'
+   end subroutine renew
 
    !> Share of the analysis that is done [1]; 0 where nothing tells.
    real(dp) function share_done(self, done, value, case, results) result(share)
@@ -197,6 +227,8 @@ contains
          if (allocated(case%integration)) all = case%integration%points*merge(2, 1, case%integration%direction == 'both')
       case ('attractors')
          if (allocated(case%attractors)) all = case%attractors%starts
+      case ('random starts')
+         if (allocated(case%basins)) all = case%basins%starts
       case ('basins')
          if (allocated(case%basins)) all = case%basins%velocity_points
       case ('bifurcation diagram')

@@ -19,7 +19,8 @@ module geartrain_base_observer
          implicit none (type, external)
          class(observer_type), intent(inout) :: self
          !> Name of the analysis: 'response', 'branch' (a further branch), 'integration', 'attractors', 'stability map',
-         !> 'run up', 'refinement', 'audit', or, of one motion, 'settling', or 'settling by time' (and its window).
+         !> 'random starts' (of basins), 'basins', 'run up', 'refinement', 'audit', or, of one motion, 'settling', or 'settling by
+         !> time' (and its window).
          character(*), intent(in) :: analysis
          !> Points, starts, rows of the map or periods of the fundamental done so far; of 'settling by time' cycles of the
          !> slowest mesh.

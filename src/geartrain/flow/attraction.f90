@@ -37,6 +37,8 @@ module geartrain_flow_attraction
       real(dp) :: accuracy = 0
       !> Some multiplier lies outside the unit circle.
       logical :: repels = .false.
+      !> Fewest periods of a watch that tell that the flow is caught.
+      integer :: least_watched = 1
       !> v has fallen since the beginning of the watch.
       logical :: comes_near = .false.
       type(energy_type), private :: energy
@@ -125,7 +127,7 @@ contains
          self%largest = max(self%largest, sqrt(self%value(distance - matmul(self%monodromy, self%before))/v_before))
          self%comes_near = v < self%first
          fall = log(self%first/v)
-         if (may_be_caught()) then
+         if (self%watched >= self%least_watched .and. may_be_caught()) then
             if (self%ahead < 0) call self%look_ahead(distance)
             self%largest = max(self%largest, self%ahead)
             caught = may_be_caught()

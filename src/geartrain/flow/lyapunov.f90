@@ -6,13 +6,15 @@ module geartrain_flow_lyapunov
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_model_system, only: system_type
+   use geartrain_model_units, only: mesh_frequencies
    implicit none (type, external)
    private
    public :: exponent_of, find_exponent, kind_of, largest_exponent, settled_part
 
    !> Share of the periods that is not averaged: the tangent turns to the direction that grows fastest.
    real(dp), parameter :: turning = 0.2_dp
-   !> Length of the first average: time [1], and fewest periods of the fundamental.
+   !> Length of the first average: time, in which the slowest mesh vibrates alone by so many radians [1], and fewest periods of the
+   !> fundamental.
    real(dp), parameter :: average_over = 3000
    integer, parameter :: fewest = 200
    !> Uncertainty times period of the fundamental [1]: largest that tells a quasi-periodic motion, and change of the exponent over
@@ -44,8 +46,8 @@ contains
       if (exponent < -max(error, rounding*frequency_ratio)) kind = 'still settling'
    end function kind_of
 
-   !> Averages over 3000 units of time or 200 periods of the fundamental, whichever is longer, then over twice the time, and so on,
-   !> until the sign of the exponent is known, or the exponent is known to be about 0.
+   !> Averages over 500 vibrations of the slowest mesh or 200 periods of the fundamental, whichever is longer, then over twice the
+   !> time, and so on, until the sign of the exponent is known, or the exponent is known to be about 0.
    subroutine find_exponent(system, frequency_ratio, state, most, exponent, error, observer)
       !> The train.
       type(system_type), intent(in) :: system
@@ -63,7 +65,7 @@ contains
       class(observer_type), intent(inout), optional :: observer
       integer :: first
 
-      first = max(fewest, ceiling(min(1e8_dp, average_over*frequency_ratio/(2*pi))))
+      first = max(fewest, ceiling(min(1e8_dp, average_over*frequency_ratio/(2*pi*minval(mesh_frequencies(system))))))
       call average(system, frequency_ratio, state, min(first, most), most, exponent, error, observer)
    end subroutine find_exponent
 

@@ -5,10 +5,14 @@
 !> M^k' M^k the Lyapunov function v = d'Q d falls by |d|^2 where e = 0. Where v falls by at least half of it everywhere on the ball
 !> v <= r^2, no flow leaves the ball and v goes to 0. The fall is measured by flights from many points of many nested shells, and a
 !> ball of half the radius is used.
+!>
+!> Without tables (geartrain_flow_section_map) the flights that measure a ball take longer than those it would shorten, the more so
+!> where slow modes make the ball small. The orbit is then handed on as an `attraction_type`, and flights are watched.
 module geartrain_flow_recognition
    use geartrain_base_kinds, only: dp
    use geartrain_base_random, only: begin_random, generator_type
    use geartrain_floquet_multipliers, only: eigenvalues, is_stable
+   use geartrain_flow_attraction, only: attraction_type
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_shooting, only: find_orbit
@@ -35,6 +39,8 @@ module geartrain_flow_recognition
       real(dp), allocatable :: states(:, :)
       !> Radii of the balls as lengths weight*d, (period).
       real(dp), allocatable :: radius(:)
+      !> In place of the balls, of a train without tables.
+      type(attraction_type), allocatable :: attraction
       !> Factors of Q: v = |weight d|^2, (state, state, period).
       real(dp), allocatable, private :: weight(:, :, :)
    contains
@@ -48,7 +54,7 @@ contains
    subroutine setup(self, system, map, period, state)
       class(recognition_type), intent(out) :: self
       !> The train.
-      type(system_type), intent(in) :: system
+      type(system_type), target, intent(in) :: system
       !> The map from section to section.
       type(section_map_type), intent(in) :: map
       !> Period of the orbit [periods of the fundamental]; 0: there is no orbit.
@@ -65,6 +71,13 @@ contains
       now = state
       call find_orbit(system, map%frequency_ratio, period, most_steps, now, monodromy, length, found)
       if (.not. found) return
+      if (map%intervals == 0) then
+         allocate (self%attraction)
+         call self%attraction%setup(system, map%frequency_ratio, period, now, monodromy, length)
+         if (self%attraction%period == 0) deallocate (self%attraction)
+         if (allocated(self%attraction)) self%period = period
+         return
+      end if
       call eigenvalues(monodromy, multipliers)
       if (.not. is_stable(multipliers)) return
       call energy%setup(system)
@@ -204,6 +217,7 @@ contains
       integer :: i, k
 
       holds = .false.
+      if (.not. allocated(self%weight)) return
       do i = 1, self%period
          sum_ = 0
          do k = 1, size(state)

@@ -21,11 +21,12 @@ module geartrain_flow_settling
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure, memory_to_measure, propagate
    use geartrain_flow_shooting, only: find_orbit
    use geartrain_model_system, only: system_type
+   use geartrain_model_units, only: mesh_frequencies
    implicit none (type, external)
    private
    public :: is_leaving, need_to_settle, settle
 
-   !> Time between two calls of the observer [1].
+   !> Time between two calls of the observer, in which the slowest mesh vibrates alone by so many radians [1].
    real(dp), parameter :: between_looks = 200
 
 contains
@@ -42,7 +43,7 @@ contains
       real(dp), intent(inout) :: state(:)
       !> The motion; period 0: none found. A motion that grows without bound has a state, but neither coefficients nor figures.
       type(motion_type), intent(out), target :: motion
-      !> Called about every 200 units of time, as 'settling'.
+      !> Called some 30 vibrations of the slowest mesh after the call before, but not before the end of a period, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
       !> Whether the observer or an interrupt ended the flow before the motion was known.
       logical, intent(out), optional :: stopped
@@ -63,7 +64,7 @@ contains
       period = 0
       call bound%setup(system, frequency_ratio)
       limit = bound%limit(state)
-      look = max(1, nint(between_looks*frequency_ratio/(2*pi)))
+      look = max(1, nint(min(1e4_dp, between_looks*frequency_ratio/(2*pi*minval(mesh_frequencies(system))))))
       do k = 1, settings%max_periods
          call flow%pass_period(frequency_ratio)
          section = eoshift(section, -1, dim=2)

@@ -1,14 +1,16 @@
-!> States at time 0: at rest under the mean load, or of a motion given by its Fourier coefficients.
+!> States at time 0: at rest under the mean load, at random, or of a motion given by its Fourier coefficients.
 module geartrain_flow_start_state
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_repetition, only: repetitions_of
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_random, only: begin_random, generator_type
    use geartrain_model_receptance, only: linear_displacements
    use geartrain_model_system, only: system_type
+   use geartrain_model_units, only: mesh_frequencies
    implicit none (type, external)
    private
-   public :: resting_state, state_of, states_of
+   public :: random_state, resting_state, state_of, states_of
 
 contains
 
@@ -98,5 +100,32 @@ contains
          end associate
       end do
    end subroutine states_of
+
+   !> A state with uniformly distributed mesh displacements, up to three times the larger of resting displacement and half backlash,
+   !> and velocities, up to this amplitude times the frequency of the mesh vibrating alone. Shafts are untwisted.
+   function random_state(system, seed, start) result(state)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Seed of the random numbers; number of the start.
+      integer, intent(in) :: seed, start
+      real(dp), allocatable :: state(:)
+      real(dp) :: reach, frequency(system%meshes)
+      type(generator_type) :: generator
+      integer :: j
+
+      generator = begin_random(seed, start)
+      allocate (state(system%states))
+      state = resting_state(system)
+      frequency = mesh_frequencies(system)
+      do j = 1, system%meshes
+         associate (n => system%mesh_element(j))
+            ! The displacement of a mesh that closes a loop follows from the other meshes.
+            if (n > system%coordinates) cycle
+            reach = 3*max(abs(state(n)), system%half_backlash(j))
+            state(n) = reach*(2*generator%uniform() - 1)
+            state(system%displacements + n) = reach*frequency(j)*(2*generator%uniform() - 1)
+         end associate
+      end do
+   end function random_state
 
 end module geartrain_flow_start_state
