@@ -48,19 +48,25 @@ contains
       end if
    end subroutine fatal
 
+   !> The further lines of a message in words, with blanks at the end: ' (and 2 more)', or blank.
+   pure character(24) function more_lines(message)
+      character(*), intent(in) :: message
+      character(12) :: number
+      integer :: i, n
+
+      more_lines = ''
+      n = count([(message(i:i) == new_line('a'), i=1, len(message))])
+      write (number, '(i0)') n
+      if (n > 0) more_lines = ' (and '//trim(number)//' more)'
+   end function more_lines
+
    !> Message of an error as part of a sentence: the first of its lines, and how many there are beside it.
    pure function in_a_line(message) result(line)
       !> The message, one problem a line.
       character(*), intent(in) :: message
-      character(:), allocatable :: line
-      character(12) :: more
-      integer :: i, n
+      character(index(message//new_line('a'), new_line('a')) - 1 + len_trim(more_lines(message))) :: line
 
-      line = message(:index(message//new_line('a'), new_line('a')) - 1)
-      n = count([(message(i:i) == new_line('a'), i=1, len(message))])
-      if (n == 0) return
-      write (more, '(i0)') n
-      line = line//' (and '//trim(more)//' more)'
+      line = message(:index(message//new_line('a'), new_line('a')) - 1)//more_lines(message)
    end function in_a_line
 
 end module geartrain_base_error

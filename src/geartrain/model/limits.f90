@@ -55,7 +55,7 @@ contains
       ! The fundamental of hunting teeth is as slow as many periods of a mesh are long.
       least = slowest*own/minval(train%meshes%order)
       if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)//': at a slower &
-         &speed there are some '//integer_text(nint(1/slowest))//' vibrations or more of the slowest mesh'//engaged()// &
+         &speed there are some '//integer_text(nint(1/slowest))//' vibrations or more of the slowest mesh'//trim(engaged())// &
          ', too many to be followed; begin there: a slower train follows its loads and errors without vibration')
       if (.not. value <= fastest*own) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*own)// &
          ': the train does not follow a faster frequency')
@@ -64,7 +64,7 @@ contains
 
       !> In which cycle the vibrations are counted: of the mesh whose teeth engage least often.
       function engaged() result(words)
-         character(:), allocatable :: words
+         character(64) :: words
 
          words = ' in a cycle of its teeth'
          if (size(train%meshes) > 1) words = ' in a cycle of the teeth of mesh '//integer_text(minloc(train%meshes%order, 1))
