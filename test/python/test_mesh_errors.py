@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-
 from conftest import ROOT
+
 from geartrain import read_case
 
 
@@ -15,10 +15,11 @@ def train():
 @pytest.mark.parametrize("frequency", [0.45, 0.95, 1.25, 1.8, 2.2])
 def test_each_mesh_is_as_wrong_as_estimated(train, frequency):
     """Against 60 harmonics; the estimate is of first order in an error of at most 2e-3. At 2.2 the error is 1e-13."""
-    few, many = (train.response(start=frequency, stop=1.001 * frequency, harmonics=harmonics, max_points=2)
-                 for harmonics in (6, 60))
+    few, many = (
+        train.response(start=frequency, stop=1.001 * frequency, harmonics=harmonics, max_points=2) for harmonics in (6, 60)
+    )
     missing = many.coefficients[0].copy()
-    missing[:, :few.coefficients.shape[2]] -= few.coefficients[0]
+    missing[:, : few.coefficients.shape[2]] -= few.coefficients[0]
     amplitude = np.sqrt(np.sum(few.coefficients[0][:, 1:] ** 2, axis=1))
     error = np.sqrt(2 * missing[:, 0] ** 2 + np.sum(missing[:, 1:] ** 2, axis=1)) / amplitude
     np.testing.assert_allclose(few.mesh_error_estimate[0], error, rtol=0.1)

@@ -154,13 +154,14 @@ contains
       enough = tolerance
       if (self%flows .or. self%has_long_period) enough = tolerance_in_time
       if (present(accuracy)) enough = max(enough, accuracy)
-      if (present(near) .and. regular .and. .not. balance%is_direct()) then
+      ! Where two branches meet a residual does not see the part of a guess along either: only sets are worth it.
+      if (present(near) .and. regular .and. balance%chosen .and. .not. balance%is_direct()) then
          call balance%apply(near, rest)
          rest = x - rest - near_y*self%column
          rest_y = y - sum(self%row*near) - self%corner*near_y
          share = sqrt((sum(rest**2) + rest_y**2)/(sum(x**2) + y**2))
          if (share < 1) then
-            call self%solve(balance, rest, rest_y, enough/share)
+            call self%solve(balance, rest, rest_y, enough/max(share, enough))
             x = near + rest
             y = near_y + rest_y
             return

@@ -315,8 +315,8 @@ contains
       end associate
    end subroutine prepare
 
-   !> Velocity that forces take in a step: h W for infinitely small steps, and such that the modes of the train in contact keep their
-   !> frequencies: 2 - 2 cos(h omega) in place of (h omega)**2, by its power series.
+   !> Velocity that forces take in a step: h W for infinitely small steps, and such that the modes of the train in contact keep
+   !> their frequencies: 2 - 2 cos(h omega) in place of (h omega)**2, by its power series.
    pure function mass_of_steps(system, h) result(mass)
       type(system_type), intent(in) :: system
       real(dp), intent(in) :: h
