@@ -1,4 +1,4 @@
-"""The error of each mesh by itself: of one that moves little beside others it is larger than that of all."""
+"""The relative error of each mesh: a mesh of small amplitude has a larger one than all meshes together."""
 
 import numpy as np
 import pytest
@@ -30,6 +30,6 @@ def test_a_mesh_beyond_the_tolerance_is_told(train):
     branch = train.response(start=1.75, stop=1.9, harmonics=0, tolerance=3e-4)
     assert branch.error_estimate.max() < 3e-4
     assert branch.mesh_error_estimate[:, 1].max() > 9e-4
-    assert "mesh 2 moves little beside the others: its own relative error is up to 0.00175" in branch.ended
+    assert "mesh 2 has a small amplitude: its relative error is up to 0.00175" in branch.ended
     branch = train.response(start=1.75, stop=1.9, harmonics=0, tolerance=1e-4)
     assert branch.ended == "reached Lambda = 1.9"

@@ -88,10 +88,9 @@ contains
       call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of the motion; 0: 16 of the highest &
                             &mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up; &
-                            &unless it is above 2000, after 50 periods and 8000 cycles of the slowest mesh the figures are those &
-                            &of a window instead; of a motion with a window 1000 cycles of the slowest mesh, if that is less', &
-                            least=one), settings%max_periods)
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up; of &
+                            &a motion with a window 1000 cycles of the slowest mesh, if that is less', least=one), &
+                        settings%max_periods)
       call v%on_integer(row('window', '', 'cycles of the slowest mesh over which figures are taken, after settling by the time &
                             &constants of the train; 0: 100 or more where the period has more than 200 such cycles, or 10 and &
                             &some mesh is idle; else the figures are those of a period', least=one, most=1e6*one, &

@@ -18,10 +18,6 @@ module geartrain_analyses_steady_motion
    private
    public :: check_start, find_steady, need_to_find
 
-   !> Cycles of the slowest mesh after which a period is not looked for any longer, unless these are so few periods; largest
-   !> max_periods for which this holds.
-   integer, parameter :: most_cycles = 8000, fewest_periods = 50, insisted = 2000
-
 contains
 
    !> Makes it an error if there is no memory for the figures of a motion.
@@ -57,24 +53,11 @@ contains
       class(observer_type), intent(inout), optional :: observer
       !> Whether the observer or an interrupt ended the flow before the motion was known.
       logical, intent(out) :: stopped
-      type(integration_settings_type) :: own
-      real(dp) :: start(size(state))
 
       if (goes_by_windows(system, settings%window)) then
          call find_in_window(system, frequency_ratio, settings, state, motion, observer, stopped)
       else
-         own = settings
-         if (own%max_periods <= insisted) own%max_periods = &
-            min(own%max_periods, max(fewest_periods, int(most_cycles/minval(system%law%order))))
-         start = state
-         call settle(system, frequency_ratio, own, state, motion, observer, stopped)
-         if (.not. stopped .and. own%max_periods < settings%max_periods .and. motion%period == 0 .and. &
-             allocated(motion%coefficients)) then
-            ! Figures with bounds in place of thousands of long periods more.
-            state = start
-            call find_in_window(system, frequency_ratio, settings, state, motion, observer, stopped)
-            return
-         end if
+         call settle(system, frequency_ratio, settings, state, motion, observer, stopped)
          if (.not. stopped) call add_exponent(system, settings, motion, observer)
          stopped = stopped .or. system%interrupt%raised()
       end if

@@ -53,9 +53,11 @@ module geartrain_balance_bordered_system
       procedure :: factor
       procedure :: difference_signs
       procedure :: solve
+      procedure :: solve_border
       procedure :: solves_in_time
       procedure :: solve_tail
       procedure, private :: factor_again
+      procedure, private :: least_accuracy
       procedure, private :: factor_tail
       procedure, private :: precondition
       procedure, private :: iterate
@@ -134,39 +136,23 @@ contains
    end subroutine factor
 
    !> Solves in place.
-   recursive subroutine solve(self, balance, x, y, accuracy, near, near_y)
+   subroutine solve(self, balance, x, y, accuracy)
       class(bordered_system_type), intent(inout) :: self
       !> Balance as at `factor`; gets more explicit harmonics where GMRES does not converge.
       type(balance_type), intent(inout) :: balance
       !> Right-hand side, afterwards the solution, (block, unknown), and its entry in the border row: NaN after an interrupt, and
       !> where the matrix with more explicit harmonics is singular.
       real(dp), intent(inout) :: x(:, :), y
-      !> Residual relative to the right-hand side at which GMRES ends [1]; 1e-10 unless it is given, and at least.
+      !> Residual relative to the right-hand side at which GMRES ends [1]; `least_accuracy` unless it is given, and at least.
       real(dp), intent(in), optional :: accuracy
-      !> A guess of the solution, (block, unknown), and its entry in the border row, from which GMRES begins where it is one.
-      real(dp), intent(in), optional :: near(:, :), near_y
-      real(dp) :: enough, rest(size(x, 1), size(x, 2)), rest_y, share
+      real(dp) :: enough
       logical :: done, regular
 
       regular = .true.
       ! A motion whose teeth part, or part no more, has another number of explicit harmonics than the one before.
       if (balance%explicit /= self%factored) call self%factor_again(balance, regular)
-      enough = tolerance
-      if (self%flows .or. self%has_long_period) enough = tolerance_in_time
+      enough = self%least_accuracy()
       if (present(accuracy)) enough = max(enough, accuracy)
-      ! Where two branches meet a residual does not see the part of a guess along either: only sets are worth it.
-      if (present(near) .and. regular .and. balance%chosen .and. .not. balance%is_direct()) then
-         call balance%apply(near, rest)
-         rest = x - rest - near_y*self%column
-         rest_y = y - sum(self%row*near) - self%corner*near_y
-         share = sqrt((sum(rest**2) + rest_y**2)/(sum(x**2) + y**2))
-         if (share < 1) then
-            call self%solve(balance, rest, rest_y, enough/max(share, enough))
-            x = near + rest
-            y = near_y + rest_y
-            return
-         end if
-      end if
       self%iterations = 0
       do while (regular .and. .not. balance%is_direct())
          call self%iterate(balance, enough, x, y, done)
@@ -183,6 +169,47 @@ contains
          x = y
       end if
    end subroutine solve
+
+   !> Solves for a right-hand side that is 0 but for 1 in the border row. Where the balance carries a set of harmonics GMRES begins
+   !> from a guess: only sets are worth the risk that, where two branches meet, a residual does not contain the part of the guess
+   !> along either branch.
+   subroutine solve_border(self, balance, near, near_y, x, y)
+      class(bordered_system_type), intent(inout) :: self
+      !> Balance as at `factor`; see `solve`.
+      type(balance_type), intent(inout) :: balance
+      !> Multiple of a guess of the solution, (block, unknown), and of its entry in the border row.
+      real(dp), intent(in) :: near(:, :), near_y
+      !> The solution, see `solve`.
+      real(dp), intent(out) :: x(:, :), y
+      real(dp) :: scale, share
+
+      share = 1
+      if (balance%chosen .and. .not. balance%is_direct()) then
+         scale = sum(self%row*near) + self%corner*near_y
+         if (abs(scale) > 0) then
+            call balance%apply(near, x)
+            x = -(x + near_y*self%column)/scale
+            share = sqrt(sum(x**2))
+         end if
+      end if
+      y = 0
+      if (share < 1) then
+         call self%solve(balance, x, y, self%least_accuracy()/max(share, self%least_accuracy()))
+         x = near/scale + x
+         y = near_y/scale + y
+      else
+         x = 0
+         y = 1
+         call self%solve(balance, x, y)
+      end if
+   end subroutine solve_border
+
+   !> Residual relative to the right-hand side to which GMRES solves at most.
+   pure real(dp) function least_accuracy(self)
+      class(bordered_system_type), intent(in) :: self
+
+      least_accuracy = merge(tolerance_in_time, tolerance, self%flows .or. self%has_long_period)
+   end function least_accuracy
 
    !> Factors for the number of explicit harmonics that the balance has now, without the linearised train in time. Where that suits
    !> the train the orientation is kept: the two are not comparable.

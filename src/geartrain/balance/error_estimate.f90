@@ -35,8 +35,8 @@ module geartrain_balance_error_estimate
       real(dp) :: relative = 0
       !> `relative` with dLambda along the branch not below `steepest` [1]: the number of harmonics is chosen by it.
       real(dp) :: limited = 0
-      !> Relative error of the waveform of each mesh by itself [1], (mesh): larger than `relative` for a mesh that moves little
-      !> beside others. Of a linear mesh that of all meshes.
+      !> Error of the waveform of each mesh over the amplitude of this mesh [1], (mesh): above `relative` for a mesh of small
+      !> amplitude. `relative` for a linear mesh.
       real(dp), allocatable :: mesh(:)
       !> The first order may not hold: a fold is nearer than its own error, a contact may begin or end within the error, or the
       !> error is not small.

@@ -24,7 +24,7 @@ module geartrain_balance_linear_flow
    !> Number of segments of a period (flow_steps.c); fours of steps fill them.
    integer, parameter :: segments = 8
    integer, parameter :: least_samples = 1024
-   !> A step costs the square of the number of elements.
+   !> A step costs the square of the number of elements, and flow_steps.c has room for so many.
    integer, parameter :: most_elements = 24
 
    type :: linear_flow_type
@@ -40,8 +40,8 @@ module geartrain_balance_linear_flow
       real(dp), allocatable :: mass(:, :)
       !> Damping of each unknown mesh over twice the length of a step, (unknown).
       real(dp), allocatable :: drag(:)
-      !> Stiffness along the motion, (sample, unknown).
-      real(dp), allocatable :: wave(:, :)
+      !> Stiffness along the motion, (sample, unknown); force on an unknown mesh, (sample).
+      real(dp), allocatable :: wave(:, :), drive(:)
       !> The same, and border row as weights of the samples of y, (segment, step, unknown).
       real(dp), allocatable :: stiffness(:, :, :), row(:, :, :)
       !> Force by the right-hand side and by the border column, and the displacement y, (segment, step, unknown).
@@ -267,8 +267,8 @@ contains
       call self%carry(b(:n, 1), added)
    end subroutine close_period
 
-   !> Chooses the steps and finds what they need. Steps of this length change frequency and decay of a vibration: stiffness and
-   !> damping of each element are such that the element by itself has its own.
+   !> Chooses the steps and finds what they need. Steps of finite length change frequency and decay of a vibration: `mass` corrects
+   !> the frequencies of the train in contact, `damper` the decay of each element vibrating alone.
    subroutine prepare(self, balance)
       class(linear_flow_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
@@ -287,9 +287,9 @@ contains
          if (self%transform%samples /= samples .or. .not. allocated(self%force)) then
             call self%transform%plan(samples)
             self%steps = samples/segments
-            if (allocated(self%force)) deallocate (self%wave, self%force, self%column_force, self%y, self%stiffness, self%row, &
-                                                   self%influence)
-            allocate (self%wave(samples, u), self%influence(segments, 2*e + 1, self%steps, u))
+            if (allocated(self%force)) deallocate (self%wave, self%drive, self%force, self%column_force, self%y, self%stiffness, &
+                                                   self%row, self%influence)
+            allocate (self%wave(samples, u), self%drive(samples), self%influence(segments, 2*e + 1, self%steps, u))
             allocate (self%force(segments, self%steps, u), self%column_force(segments, self%steps, u), &
                       self%y(segments, self%steps, u), self%stiffness(segments, self%steps, u), self%row(segments, self%steps, u))
          end if
@@ -368,20 +368,19 @@ contains
 
    !> Force on an unknown mesh by the waveform in `transform`, less a mean.
    subroutine press(self, i, mean, force, added)
-      class(linear_flow_type), intent(in) :: self
+      class(linear_flow_type), intent(inout) :: self
       integer, intent(in) :: i
       real(dp), intent(in) :: mean
       real(dp), intent(inout) :: force(:, :), added(:, :)
-      real(dp) :: wave(self%transform%samples)
       integer :: n
 
       n = self%transform%samples
-      associate (rho => self%transform%sample)
-         wave(2:n - 1) = self%wave(2:n - 1, i)*rho(2:n - 1) - mean + self%drag(i)*(rho(3:) - rho(:n - 2))
-         wave(1) = self%wave(1, i)*rho(1) - mean + self%drag(i)*(rho(2) - rho(n))
-         wave(n) = self%wave(n, i)*rho(n) - mean + self%drag(i)*(rho(1) - rho(n - 1))
+      associate (rho => self%transform%sample, drive => self%drive)
+         drive(2:n - 1) = self%wave(2:n - 1, i)*rho(2:n - 1) - mean + self%drag(i)*(rho(3:) - rho(:n - 2))
+         drive(1) = self%wave(1, i)*rho(1) - mean + self%drag(i)*(rho(2) - rho(n))
+         drive(n) = self%wave(n, i)*rho(n) - mean + self%drag(i)*(rho(1) - rho(n - 1))
       end associate
-      call transpose_steps(self%steps, segments, wave, force)
+      call transpose_steps(self%steps, segments, self%drive, force)
       call add_influence(2*self%elements + 1, self%steps, self%influence(:, :, :, i), force, added)
    end subroutine press
 

@@ -338,8 +338,9 @@ contains
       call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform, against the motion at the &
                              &same Lambda or, where the branch turns before it, that of its fold; rounding, some 1e-14, is not in &
                              &it', optional=none), branch%error_estimate)
-      call carry(fields, row('mesh_error_estimate', 'point mesh', '1', 'the same of each mesh by itself: larger for one that moves &
-                             &little beside others; of a mesh without backlash that of all', optional=none), &
+      call carry(fields, row('mesh_error_estimate', 'point mesh', '1', 'estimated error of the waveform of each mesh over the &
+                             &amplitude of this mesh: above error_estimate for a mesh of small amplitude; error_estimate for a &
+                             &mesh without backlash', optional=none), &
                  branch%mesh_error_estimate)
       call carry(fields, row('estimate_doubtful', 'point', '1', '1 = error_estimate may be off by more than a small factor: a &
                              &fold as near as it is itself misplaced, a contact that begins or ends within the error, or an error &

@@ -308,14 +308,10 @@ contains
       real(dp), intent(in), optional :: near(:, :), near_frequency
       real(dp) :: y, length
 
-      self%step = 0
-      y = 1
       if (present(near)) then
-         length = sum(self%matrix%row*near) + self%matrix%corner*near_frequency
-         call self%matrix%solve(self%balance, self%step, y, near=near/length, near_y=near_frequency/length)
+         call self%matrix%solve_border(self%balance, near, near_frequency, self%step, y)
       else
-         length = sum(self%matrix%row*solution%tangent) + self%matrix%corner*solution%tangent_frequency
-         call self%matrix%solve(self%balance, self%step, y, near=solution%tangent/length, near_y=solution%tangent_frequency/length)
+         call self%matrix%solve_border(self%balance, solution%tangent, solution%tangent_frequency, self%step, y)
       end if
       call self%fixed%project(self%step)
       length = self%length_of(self%step, y)

@@ -32,8 +32,8 @@ module geartrain_continuation_tracer
 
    !> Length of the first step, and of the smallest one, in the metric of the branch.
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
-   !> Error of a mesh by itself over the tolerance from which on it is told.
-   real(dp), parameter :: beside_others = 3
+   !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
+   real(dp), parameter :: named_from = 3
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
 
@@ -418,7 +418,7 @@ contains
 
    !> Adds to the reason for the end how many points miss the tolerance; a branch whose points all miss it is not complete. Where a
    !> branch is nearly vertical a small error of Lambda is a large error at constant Lambda, which more harmonics hardly reduce.
-   !> The error of a mesh that moves little beside others may be large, and with it that of its force, where that of all is not.
+   !> A mesh of small amplitude, and its force, may have a large relative error where the error of all meshes together is small.
    subroutine tell_missed(self, branch)
       class(tracer_type), intent(in) :: self
       !> Traced branch; gets `ended` and `complete`.
@@ -431,8 +431,8 @@ contains
                         spread(branch%error_estimate(:branch%points) <= self%settings%tolerance, 1, branch%meshes))
          if (all(worst > 0)) then
             associate (error => branch%mesh_error_estimate(worst(1), worst(2)))
-               if (error > beside_others*self%settings%tolerance) branch%ended = branch%ended//'; mesh '//text(worst(1)) &
-                  //' moves little beside the others: its own relative error is up to '//text(error)
+               if (error > named_from*self%settings%tolerance) branch%ended = branch%ended//'; mesh '//text(worst(1)) &
+                  //' has a small amplitude: its relative error is up to '//text(error)//', above the tolerance'
             end associate
          end if
       end if
