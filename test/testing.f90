@@ -30,7 +30,7 @@ module testing
       integer :: begun = 0, done_before = 0
       !> Tell the names alone.
       logical :: listing = .false.
-      !> Print the rows of docs/hard-cases.md.
+      !> Print a row for each comparison of a hard case.
       logical :: table = .false.
       !> Tiers that are wanted, (tier).
       logical :: tier(3) = [.true., .true., .false.]
@@ -158,7 +158,7 @@ contains
       call self%is_true(value == expected, name//': got "'//value//'", expected "'//expected//'"')
    end subroutine is_text
 
-   !> Begins a table of docs/hard-cases.md: what is hard, what it is checked against, how far off it is and how far it may be.
+   !> Begins a table of comparisons: what is hard, what it is checked against, how far off it is and how far it may be.
    subroutine heading(self, title)
       class(tests_type), intent(in) :: self
       character(*), intent(in) :: title
