@@ -59,8 +59,8 @@ contains
    !> Runs what the arguments name, everything where they name nothing: a kind (unit), a suite (unit_flow, or flow, whatever its
    !> kind), tests of a suite by a part of their names (flow/tang). Options: --tier=quick,full,nightly, those tiers, of a test that
    !> is named any (default: quick,full); --list, names of tests alone; --suites, of suites alone; --table,
-   !> a row for each comparison of a hard case; --seed=N, other random trains; --record=FOLDER, adds each comparison to a file of its
-   !> test: difference, allowed difference, name.
+   !> a row for each comparison of a hard case; --seed=N, other random trains; --record=FOLDER, adds each comparison to a file of
+   !> its test: difference, allowed difference, name.
    subroutine run_suites(suites)
       type(suite_type), intent(in) :: suites(:)
       type(tests_type) :: tests
