@@ -1,23 +1,24 @@
 """The report: docs/speed.md. Its numbers come from the rows, and no sentence claims what no row shows."""
 
+import textwrap
 from pathlib import Path
 
 import numpy as np
 
-import geartrain as gt
 import pictures
 from timing import spread
 
 TARGETS = (1e-2, 1e-4, 1e-6, 1e-8)
+MAX_COLUMNS = 132
 
 
-WHERE = """## Where each method should be used
+WHERE = """## Which method to use
 
 | for | use | rows that show it |
 |---|---|---|
 | a whole curve, folds and unstable motions included | harmonic balance, `harmonics = 6` to `24` | figure 3, R = 6 to 24 |
 | a curve to a given error | `harmonics = 0` with `tolerance` | figure 3, the rows with a tolerance |
-| motions to more digits than the fastest balance gives | `motion.refine()`, shooting | fastest method, columns 1e-6 and 1e-8 |
+| motions to an error below 1e-6 | `motion.refine()`, shooting | fastest method, columns 1e-6 and 1e-8 |
 | a stiffness that jumps | few harmonics, then `refine()` | fastest method, square wave |
 | where given initial conditions lead, unknown periods | time integration | needs no start; times in the picture |
 | comparing with the paper and other codes | `coefficients = 'sampled'` | error over R: its lines level off |
@@ -28,6 +29,14 @@ def table(header, rows):
     """A markdown table."""
     lines = [header, ["---"] * len(header), *rows]
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines) + "\n"
+
+
+def filled(text):
+    """The text with its lines broken at the largest number of columns, but for tables."""
+    return "\n".join(
+        line if line.startswith("|") else textwrap.fill(line, MAX_COLUMNS, break_long_words=False, break_on_hyphens=False)
+        for line in text.split("\n")
+    )
 
 
 def duration(seconds):
@@ -48,12 +57,12 @@ def locus_section(found):
     header = ("train", "tool", "points", "to both ends", "processor time", "a point", "error of Lambda, median", "largest")
     return f"""## The curve of a fold
 
-A fold over Lambda and the stiffness variation, 0.05 to 0.5, through its cusp: figure 3's of the resonance at 1.55, and that of
-one gear pair (`namelists/single_pair.nml`), by `train.locus` and by AUTO-07p with `ISW = 2`. Measured alone by
-`python benchmarks/locus.py`. Times are of the processor, of the curve alone. The error is the distance in Lambda of points from
-`special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact backlash the derivatives of
-AUTO's collocation jump where a collocation point passes a corner, so its corners are rounded over a width of p, in units of half
-the backlash, and the motion is that of another train.
+A fold is followed over Lambda and the stiffness variation, from 0.05 to 0.5, through its cusp. One fold is that of figure 3 at the
+resonance 1.55, the other that of one gear pair (`namelists/single_pair.nml`). `train.locus` and AUTO-07p with `ISW = 2` compute the
+curve. `python benchmarks/locus.py` measures it alone. Times are processor times of the curve alone. The error is the distance in
+Lambda from `special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact backlash the
+derivatives of AUTO's collocation jump where a collocation point passes a corner. Its corners are therefore rounded over a width of
+p, in units of half the backlash. The motion is then the motion of another train.
 
 {table(header, locus_rows(found["rows"]))}"""
 
@@ -61,7 +70,8 @@ the backlash, and the motion is that of another train.
 def machine_section(found):
     versions = ", ".join(f"{name} {value}" for name, value in found["versions"].items())
     return f"""{found["processor"]}, {found["cores"]} cores, {found["system"]}; one core and one thread for every tool. {versions}.
-The load before the first measurement was {found["load"]:.1f}. Times are medians, with the shortest and the longest in brackets.
+The load of the machine before the first measurement was {found["load"]:.1f}.
+Times are medians, with the shortest and the longest in brackets.
 """
 
 
@@ -104,33 +114,34 @@ def curve_section(found):
         for row in rows
         if row["swept"]
     ]
-    partial = f"SciPy ran a part of its frequencies, the time is scaled to all of them ({'; '.join(swept)})." if swept else ""
+    partial = f"SciPy ran a part of its frequencies, and its time is scaled to all of them ({'; '.join(swept)})." if swept else ""
     tools = sorted({row["tool"] for row in rows} - {"geartrain"})
     check = ""
     if found["check"]:
-        check = f"""Shooting itself was checked by SciPy's DOP853 at rtol 1e-12 on {found["check"]["orbits"]} orbits,
+        check = f"""SciPy's DOP853 at rtol 1e-12 checked shooting itself on {found["check"]["orbits"]} orbits,
 stable and unstable: rms agrees to {found["check"]["rms"]:.0e} (relative), and after a period the orbits close to
 {found["check"]["closure"]:.0e}."""
     return f"""## Figure 3 beside other tools
 
-The whole curve, Lambda 0.2 to 2.6, through its 8 folds, in one run: {", ".join(tools)}.
-*Process* is from the start of the process to its end; for geartrain that is the executable, the case read and the HDF5 file closed,
-multipliers at every point. *Call* is the same curve within a process that has run one before. The error is that of rms, the larger
-of both meshes, relative to shooting at the same Lambda, at up to 100 points of each tool's own, those left out that are nearer than
-0.01 to a fold.
+Each tool computes the whole curve, Lambda 0.2 to 2.6, through its 8 folds, in one run: {", ".join(tools)}.
+*Process* is the time from the start of a process to its end. For geartrain the process is the executable with multipliers at every
+point, from the case file to the closed HDF5 file. *Call* is the time of the same curve in a process that has run one before. The
+error is the relative error of rms against shooting at the same Lambda, for the worse of the two meshes. It is taken at up to 100
+points of each tool. Points nearer than 0.01 to a fold are left out.
 
 {table(("tool", "points", "process", "call", "a point", "stability", "error, median", "largest, at Lambda"), curve_rows(rows))}
 {check}
 
 {partial}
-pyHarm, jaxcont and SciPy compute no stability. Most of jaxcont's process is import and compilation:
-its second curve takes what stands under *call*.
-The definitions of the train for these tools are ours (`benchmarks/peers/`), in all five elements: 5 (1 + 2R) unknowns.
-The largest errors stand where the curve is nearly vertical: there a small error in Lambda is a large one in rms.
+pyHarm, jaxcont and SciPy compute no stability. Most of jaxcont's process is import and compilation; *call* is its second curve.
+The authors of geartrain wrote the definitions of the train for these tools (`benchmarks/peers/`). They have all five elements,
+5 (1 + 2R) unknowns. The largest errors occur where the curve is nearly vertical: there a small error in Lambda is a large error in
+rms.
 {skipped}
-How many times longer than geartrain at R = 6 with multipliers; calls of tools without stability are set beside the call without
-it. R = 6 is what the paper and the tools use; in its few worst points it is no more exact than they are, and SciPy's sweep is more
-exact throughout. The last column is against geartrain's fastest row whose median and largest error are both below the tool's:
+The next table has the time of each tool over the time of geartrain at R = 6 with multipliers. Calls of tools without stability are
+compared with the call without stability. The paper and the tools use R = 6. At its few worst points geartrain at R = 6 is no more
+exact than the tools, and SciPy's sweep is more exact everywhere. The last column compares with the fastest row of geartrain whose
+median and largest error are both below those of the tool:
 
 {table(("tool", "process", "call", "process, more exact than the tool"), ratio_rows(rows))}
 ![Error of rms over time of a point, geartrain and peers](speed/peers.png)
@@ -167,19 +178,16 @@ def accuracy_section(found):
     ]  # fmt: skip
     return f"""## Error against time of a point
 
-The error here is that of the waveform: the largest deviation of any mesh at any instant from shooting, over the largest
-alternating displacement. Time is that of a point of a branch without multipliers; for integration that of settling from the steady
-motion of a neighbouring frequency. The error of shooting is its agreement with DOP853 on figure 3, above.
+The error in this section is the error of the waveform: the largest deviation of any mesh at any instant from shooting, over the
+largest alternating displacement. Time is the time of one point of a branch without multipliers. For integration it is the time to
+settle from the steady motion of a neighbouring frequency. The error of shooting is its difference from DOP853 on figure 3, above.
 
 ![Error of the waveform over time of a point, five cases](speed/accuracy.png)
 
 ![Error of the waveform over number of harmonics, five cases](speed/order.png)
 
 {table(("case", "what", "Lambda", "order by theory", "fitted, R >= 12"), orders)}
-Teeth that part make a jump in the third derivative of p, so that |p_k| falls as k^-4 and the largest error as R^-3; a jump of
-the stiffness is one in the second derivative, k^-3 and R^-2.
-
-Which method gets a point fastest below an error of the waveform, and its time; *shooting* is harmonic balance at R = 12 and
+The next table has the fastest method below an error of the waveform, and its time. *Shooting* is harmonic balance at R = 12 and
 `refine` together:
 
 {table(("case", *(f"{target:.0e}" for target in TARGETS)), choice)}"""
@@ -215,20 +223,21 @@ def scale_section(found):
     missing = " *Not measured*: the size before took too long." if "not measured" in str(shafts) else ""
     return f"""## Size
 
-The time of a point at R = 6 for chains of figure 3's gear pairs, teeth parting at the first of them: a share of a call of at
-most {found["points"]} points, which is most of it where the train is small, and with multipliers of locating where motions lose
-their stability, which long chains do often. And the peak memory of the executable, libraries included.{missing}
+The table has the time of a point at R = 6 for chains of figure 3's gear pairs, with tooth separation at the first of them. It is
+the share of a point in a call of at most {found["points"]} points. In small trains most of this time is the call. The time with
+multipliers includes the location of changes of stability, which are frequent in long chains. Memory is the peak of the executable
+with its libraries.{missing}
 
 {table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
-A point of trees beside chains, of as many equal pairs each, all loaded alike, contact and stability never lost:
+Trees and chains of the same number of equal pairs, with equal loads, without separation and always stable:
 
 {table(("meshes", "shape", "without multipliers", "over the chain's", "with", "over the chain's"), trees)}
-And of figure 3's train for more harmonics:
+Figure 3's train with more harmonics:
 
 {table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"]))}
 ![Time of a point and memory over size](speed/scale.png)
 
-Exponents, fitted over the upper half of the sizes:
+Exponents are fitted over the upper half of the sizes:
 
 {table(("what", "exponent"), slopes)}"""
 
@@ -252,7 +261,7 @@ def cores_section(found):
     ]  # fmt: skip
     return f"""## Many cases, all cores
 
-One call of the executable, to closed files, on one thread and on {found["cores"]}.
+The time is that of one call of the executable until all files are closed, on one thread and on {found["cores"]}.
 
 {table(("what", "1 thread", f"{found['cores']} threads", "faster by", "the same bits"), rows)}"""
 
@@ -266,9 +275,9 @@ def study_section(found):
     ]  # fmt: skip
     return f"""## Studies
 
-{found["points"]} responses of figure 3's train, each value of its meshes within 10 % ([studies.md](studies.md)), by
-{found["workers"]} processes; each engine in a process of its own. Overhead is processor time, of all processes, above that of a
-plain loop; efficiency is the plain loop's time over processes times wall time.
+{found["points"]} responses of figure 3's train, with each value of its meshes within 10 % ([studies.md](studies.md)), on
+{found["workers"]} processes. Each engine runs in its own process. Overhead is the processor time of all processes above that of
+a plain loop. Efficiency is the time of the plain loop over the product of processes and wall time.
 
 {table(("engine", "wall time", "processor time", "overhead", "efficiency", "client's memory"), rows)}
 {found["read"]} points are read back in {found["seconds"]:.1f} s, a Dataset of {found["size"]:.0f} MB."""
@@ -278,51 +287,12 @@ def gearboxes_section(found):
     rows = [(row["case"], spread(row["seconds"])) for row in found["rows"]]
     return f"""## Real gearboxes
 
-Whole runs of the executable, processor time. The wind turbine of 750 kW has three stages (120/21, 82/23, 88/22; its common period
-is 328 turns of the generator, 7216 cycles of its fastest mesh), the truck two countershafts and four idle meshes that rattle
-(`test/python/gearboxes.py`), the reducer two stages (`namelists/reducer.nml`). Beside another commit: `python
-benchmarks/real_gearboxes.py EXECUTABLE`.
+The table has the processor time of whole runs of the executable. The gearbox of a wind turbine of 750 kW has three stages (120/21,
+82/23, 88/22); its common period is 7216 cycles of its fastest mesh. The gearbox of a truck has two countershafts and four idle
+meshes that rattle (`test/python/gearboxes.py`). The reducer has two stages (`namelists/reducer.nml`). `python
+benchmarks/real_gearboxes.py EXECUTABLE` measures another executable.
 
 {table(("case", "processor time"), rows)}"""
-
-
-def operations():
-    """Floating-point operations of a point of figure 3 at R = 6: three solves, the monodromy matrix, its eigenvalues.
-
-    The matrix: 10 columns, in each 5 elements with 8 multiplications and additions a term (three neighbours' springs and dampers,
-    two sums), 2.5 terms a radian of the fastest mode (docs/numerics.md); what varies in the stiffness is not counted.
-    """
-    train = gt.read_case("namelists/fig03.nml").train
-    frequency = train.response(start=0.2, stop=2.6, harmonics=6, stability=False).frequency
-    radians = train.natural_frequencies()[-1] * 2 * np.pi * float(np.mean(1 / frequency))
-    return {"three solves": 3 * (2 / 3 * 27**3 + 2 * 27**2), "monodromy matrix": 10 * 5 * 2 * 8 * 2.5 * radians,
-            "its eigenvalues": 25 * 10**3}  # fmt: skip
-
-
-def floor_section(machine, curve):
-    own = next(row for row in curve["rows"] if row["label"] == "geartrain, R = 6")
-    lapack = 3 * machine["solve"] + machine["eigenvalues"]
-    with_, without = (np.median(own[key]) / own["points"] for key in ("curve", "without"))
-    counts = operations()
-    solves, all_ = counts["three solves"], sum(counts.values())
-    rows = [(what, f"{count / 1e3:.0f}", duration([count / machine["flops"]])) for what, count in counts.items()]
-    measured = [
-        ("a point without multipliers", duration([without]), f"{without / (solves / machine['flops']):.0f} x",
-         f"{without / (3 * machine['solve']):.1f} x"),
-        ("a point with multipliers", duration([with_]), f"{with_ / (all_ / machine['flops']):.0f} x", f"{with_ / lapack:.1f} x"),
-    ]  # fmt: skip
-    return f"""## How far from what the machine could do
-
-A point of figure 3 at R = 6 takes about three Newton steps, each a solve for 27 unknowns, and the monodromy matrix of 10 states.
-Large matrices are multiplied at {machine["flops"] / 1e9:.0f} GFLOP/s on this core; at that rate, which nothing so small can
-reach, the operations take:
-
-{table(("what", "1000 operations", "at the rate of large matrices"), rows)}
-LAPACK, called from Python, takes {duration([machine["solve"]])} for one such solve (dgesv) and
-{duration([machine["eigenvalues"]])} for the eigenvalues (dgeev). What geartrain takes, over the operations' time and over
-LAPACK's (of the solves, and of the eigenvalues where there are any; the matrices' making not counted):
-
-{table(("what", "measured", "over the operations", "over LAPACK"), measured)}"""
 
 
 def write(found, path):
@@ -338,12 +308,12 @@ def write(found, path):
         machine_section(found["machine"]), WHERE, curve_section(found["curve"]), accuracy_section(found["accuracy"]),
         scale_section(found["scale"]), cores_section(found["cores"]), study_section(found["study"]),
         locus_section(found["locus"]), gearboxes_section(found["gearboxes"]),
-        floor_section(found["machine"], found["curve"]),
     )  # fmt: skip
     intro = f"""# Speed against error
 
-Written by `benchmarks/run`, which installs the peers that packages provide, measures everything below on the machine at hand and
-draws the pictures. Measured: {measured}.
+`benchmarks/run` writes this page. It installs the other tools from packages, measures all of them on the machine at hand and draws
+the pictures. Measured: {measured}.
 
 """
-    Path(path).write_text(intro + "\n".join(sections), encoding="utf-8")
+    text = intro + "\n\n".join(section.strip() for section in sections) + "\n"
+    Path(path).write_text(filled(text), encoding="utf-8")
