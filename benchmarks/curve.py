@@ -94,7 +94,7 @@ def run_peer(script, options, folder):
 
 
 def run_geartrain(executable, train, settings, repeats, folder):
-    """One row: the executable from start to closed file, with multipliers; and the library's call alone, also without."""
+    """One row: the executable from start to closed file, with multipliers; and the library's call alone."""
     case, output = folder / "case.nml", folder / "case.h5"
     settings = {"start": START, "stop": STOP, **settings}
     case.write_text(train.namelist(response=settings), encoding="utf-8")
@@ -103,7 +103,6 @@ def run_geartrain(executable, train, settings, repeats, folder):
         frequency, rms = file["response/frequency"][:], file["response/rms"][:]
     row = {"process": process, "frequency": frequency, "rms": rms, "stability": True, "points": len(frequency)}
     row["curve"], _ = timed(lambda: train.response(**settings), repeats, patience=2)
-    row["without"], _ = timed(lambda: train.response(**settings, stability=False), repeats, patience=2)
     return row
 
 

@@ -85,27 +85,6 @@ def curve_rows(rows):
         )  # fmt: skip
 
 
-def ratio_rows(rows):
-    """How many times geartrain (multipliers at every point) is faster than the tools beside it: at R = 6, and the fastest of its
-    rows whose median and largest error are both below the tool's."""
-    own = next(row for row in rows if row["label"] == "geartrain, R = 6")
-    for row in rows:
-        if row["tool"] == "geartrain":
-            continue
-        process = np.median(row["process"]) / np.median(own["process"])
-        calls = ""
-        if row["curve"] and not row["swept"]:
-            like = own["curve"] if row["stability"] else own["without"]
-            calls = f"{np.median(row['curve']) / np.median(like):,.3g}"
-        exact = [
-            (np.median(row["process"]) / np.median(other["process"]), other["label"].removeprefix("geartrain, "))
-            for other in rows
-            if other["tool"] == "geartrain" and all(other["errors"][key] < row["errors"][key] for key in ("median", "largest"))
-        ]
-        times, name = max(exact, default=(0, ""))
-        yield row["label"], f"{process:,.3g}", calls, f"{times:,.3g}, {name}" if exact else "none"
-
-
 def curve_section(found):
     rows = found["rows"]
     skipped = "".join(f"- {item['label']}: not measured: {item['reason']}\n" for item in found["skipped"])
@@ -138,12 +117,9 @@ The authors of geartrain wrote the definitions of the train for these tools (`be
 5 (1 + 2R) unknowns. The largest errors occur where the curve is nearly vertical: there a small error in Lambda is a large error in
 rms.
 {skipped}
-The next table has the time of each tool over the time of geartrain at R = 6 with multipliers. Calls of tools without stability are
-compared with the call without stability. The paper and the tools use R = 6. At its few worst points geartrain at R = 6 is no more
-exact than the tools, and SciPy's sweep is more exact everywhere. The last column compares with the fastest row of geartrain whose
-median and largest error are both below those of the tool:
+The paper and the tools use R = 6. At its few worst points geartrain at R = 6 is no more exact than the tools, and SciPy's sweep is
+more exact everywhere.
 
-{table(("tool", "process", "call", "process, more exact than the tool"), ratio_rows(rows))}
 ![Error of rms over time of a point, geartrain and peers](speed/peers.png)
 """
 
@@ -199,9 +175,9 @@ def above_first(rows):
     return [{"size": row["size"], "memory": [row["memory"][0] - first]} for row in rows if row["memory"][0] > 1.02 * first]
 
 
-def size_rows(rows):
+def size_rows(rows, *shape):
     return [
-        (row["size"], *(spread(row[key]) if key in row else "not measured" for key in ("without", "with")))
+        (row["size"], *shape, *(spread(row[key]) if row.get(key) else "not measured" for key in ("without", "with")))
         for row in rows
     ]  # fmt: skip
 
@@ -231,7 +207,7 @@ with its libraries.{missing}
 {table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
 Trees and chains of the same number of equal pairs, with equal loads, without separation and always stable:
 
-{table(("meshes", "shape", "without multipliers", "over the chain's", "with", "over the chain's"), trees)}
+{table(("meshes", "shape", "a point, without multipliers", "with"), trees)}
 Figure 3's train with more harmonics:
 
 {table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"]))}
@@ -243,14 +219,8 @@ Exponents are fitted over the upper half of the sizes:
 
 
 def tree_rows(trees):
-    """Times of a point, and what they are over the chain's."""
-    for at, first in enumerate(trees["chain"]):
-        for shape, rows in trees.items():
-            cells = []
-            for what in ("without", "with"):
-                times, chain = (row[at].get(what) for row in (rows, trees["chain"]))
-                cells += [spread(times), f"{np.median(times) / np.median(chain):.2f}"] if times and chain else ["not measured", ""]
-            yield first["size"], shape, *cells
+    """Times of a point of each shape, size by size."""
+    return [row for rows in zip(*(size_rows(rows, shape) for shape, rows in trees.items()), strict=True) for row in rows]
 
 
 def cores_section(found):
