@@ -14,14 +14,13 @@ MAX_COLUMNS = 132
 
 WHERE = """## Which method to use
 
-| for | use | rows that show it |
-|---|---|---|
-| a whole curve, folds and unstable motions included | harmonic balance, `harmonics = 6` to `24` | figure 3, R = 6 to 24 |
-| a curve to a given error | `harmonics = 0` with `tolerance` | figure 3, the rows with a tolerance |
-| motions to an error below 1e-6 | `motion.refine()`, shooting | fastest method, columns 1e-6 and 1e-8 |
-| a stiffness that jumps | few harmonics, then `refine()` | fastest method, square wave |
-| where given initial conditions lead, unknown periods | time integration | needs no start; times in the picture |
-| comparing with the paper and other codes | `coefficients = 'sampled'` | error over R: its lines level off |
+| for | use |
+|---|---|
+| a whole curve, folds and unstable motions included | harmonic balance, `harmonics = 6` to `24` |
+| a curve to a given error | `harmonics = 0` with `tolerance` |
+| motions to an error below 1e-6; a stiffness that jumps | few harmonics, then `motion.refine()`, which is shooting |
+| where given initial conditions lead, unknown periods | time integration |
+| comparing with the paper and other codes | `coefficients = 'sampled'` |
 """
 
 
