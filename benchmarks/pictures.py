@@ -19,13 +19,6 @@ PEER_STYLES = {
 }  # fmt: skip
 
 
-def exponent(rows, key):
-    """Slope of log time or memory over log size, over the upper half of the sizes."""
-    known = [(row["size"], np.median(row[key])) for row in rows if key in row]
-    upper = known[len(known) // 2 - 1 :] if len(known) > 2 else known
-    return float(np.polyfit(*np.log(np.array(upper).T), 1)[0]) if len(upper) > 1 else None
-
-
 def save(figure, path):
     figure.savefig(path, dpi=110)
     plt.close(figure)

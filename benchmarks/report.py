@@ -168,12 +168,6 @@ The next table has the fastest method below an error of the waveform, and its ti
 {table(("case", *(f"{target:.0e}" for target in TARGETS)), choice)}"""
 
 
-def above_first(rows):
-    """Memory of each size less that of the smallest, which is mostly that of the libraries; none where it is no more."""
-    first = rows[0]["memory"][0]
-    return [{"size": row["size"], "memory": [row["memory"][0] - first]} for row in rows if row["memory"][0] > 1.02 * first]
-
-
 def size_rows(rows, *shape):
     return [
         (row["size"], *shape, *(spread(row[key]) if row.get(key) else "not measured" for key in ("without", "with")))
@@ -184,15 +178,6 @@ def size_rows(rows, *shape):
 def scale_section(found):
     memory = {row["size"]: f"{row['memory'][0] / 2**20:.1f} MiB" for row in found["memory"]}
     shafts = [(*row, memory.get(row[0], "")) for row in size_rows(found["shafts"])]
-    slopes = [
-        (what, f"{value:.2f}" if value is not None else "")
-        for what, value in (
-            ("time by shafts, without multipliers", pictures.exponent(found["shafts"], "without")),
-            ("time by shafts, with multipliers", pictures.exponent(found["shafts"], "with")),
-            ("time by harmonics, without multipliers", pictures.exponent(found["harmonics"], "without")),
-            ("memory above that of the smallest train, by shafts", pictures.exponent(above_first(found["memory"]), "memory")),
-        )
-    ]
     # What was measured before there were trees has none.
     trees = tree_rows(found.get("trees", {"chain": []}))
     missing = " *Not measured*: the size before took too long." if "not measured" in str(shafts) else ""
@@ -211,10 +196,7 @@ Figure 3's train with more harmonics:
 
 {table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"]))}
 ![Time of a point and memory over size](speed/scale.png)
-
-Exponents are fitted over the upper half of the sizes:
-
-{table(("what", "exponent"), slopes)}"""
+"""
 
 
 def tree_rows(trees):
