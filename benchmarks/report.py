@@ -112,9 +112,8 @@ points of each tool. Points nearer than 0.01 to a fold are left out.
 
 {partial}
 pyHarm, jaxcont and SciPy compute no stability. Most of jaxcont's process is import and compilation; *call* is its second curve.
-The authors of geartrain wrote the definitions of the train for these tools (`benchmarks/peers/`). They have all five elements,
-5 (1 + 2R) unknowns. The largest errors occur where the curve is nearly vertical: there a small error in Lambda is a large error in
-rms.
+The authors of geartrain wrote the train for these tools (`benchmarks/peers/`), with all five elements and 5 (1 + 2R) unknowns. The
+largest errors occur where the curve is nearly vertical: there a small error in Lambda is a large error in rms.
 {skipped}
 The paper and the tools use R = 6. At its few worst points geartrain at R = 6 is no more exact than the tools, and SciPy's sweep is
 more exact everywhere.
@@ -155,7 +154,7 @@ def accuracy_section(found):
 
 The error in this section is the error of the waveform: the largest deviation of any mesh at any instant from shooting, over the
 largest alternating displacement. Time is the time of one point of a branch without multipliers. For integration it is the time to
-settle from the steady motion of a neighbouring frequency. The error of shooting is its difference from DOP853 on figure 3, above.
+settle from the steady motion of a neighbouring frequency.
 
 ![Error of the waveform over time of a point, five cases](speed/accuracy.png)
 
