@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Between", "curve_at", "is_slope", "slopes"]
+__all__ = ["Between", "is_slope", "position", "slopes", "value_at"]
 
 Array = NDArray[np.float64]
 #: Places at which a step is drawn.
@@ -73,15 +73,15 @@ class Between:
         return stable
 
 
-def curve_at(between: Between, free: float, rms: Array, wanted: Array, values: Array) -> Array:
-    """Values of a branch where it has a frequency (or parameter) and, of all such places, the rms nearest to that wanted, (columns,).
+def position(between: Between, free: float, rms: Array, wanted: Array) -> tuple[int, float]:
+    """Where a branch has a frequency (or parameter) and, of all such places, the rms nearest to that wanted.
 
-    A fold lies beyond the places on either side of it: the places themselves count as well, by their distance in frequency.
+    Gives a place and the share of the step from there. A fold lies beyond the places on either side of it: places themselves count
+    as well, by their distance in frequency.
     """
     at = between.frequency
-    step = np.diff(at)
     with np.errstate(divide="ignore", invalid="ignore"):
-        share = (free - at[:-1]) / step
+        share = (free - at[:-1]) / np.diff(at)
     first = np.flatnonzero((np.diff(between.segment) == 0) & (share >= 0) & (share <= 1))
     shares = share[first, np.newaxis]
     scale, extent = np.abs(rms).max() or 1.0, np.ptp(at) or 1.0
@@ -90,9 +90,14 @@ def curve_at(between: Between, free: float, rms: Array, wanted: Array, values: A
     place = int(near.argmin())
     if len(first) and crossed.min() <= near[place]:
         one = int(crossed.argmin())
-        found: Array = (1 - shares[one]) * values[first[one]] + shares[one] * values[first[one] + 1]
-        return found
-    found = values[place]
+        return int(first[one]), float(share[first[one]])
+    return place, 0.0
+
+
+def value_at(values: Array, where: tuple[int, float]) -> Array:
+    """Values at a position, (columns,)."""
+    place, share = where
+    found: Array = values[place] if share == 0 else (1 - share) * values[place] + share * values[place + 1]
     return found
 
 

@@ -116,7 +116,7 @@ class Resonances:
         self._mean = np.where(np.array(mean) > 0, mean, max(mean, default=0.0) or 1.0)
 
     def forces(self, mode: int, causes: list[Excitation]) -> Array:
-        """Amplitudes [N] of the meshes where a mode, from 1, resonates; of several excitations with the most unfavourable phases."""
+        """Amplitudes [N] of the meshes where a mode, from 1, resonates; excitations add up with the most unfavourable phases."""
         row = mode - 1
         work = sum(abs(self._shape[cause.element][row]) * cause.amplitude for cause in causes)
         found: Array = self._force[:, row] * work / (2 * max(self._damping[row], _LEAST_DAMPING) * (self._energy[row] or 1.0))

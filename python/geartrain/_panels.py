@@ -42,11 +42,11 @@ def span(values: Array) -> tuple[float, float]:
     return (float(there.min()), float(there.max())) if there.size else (0.0, 0.0)
 
 
-def new_panels(ax: Axes | None, names: Sequence[str], split: bool) -> list[Any]:
-    """The axes of each part: those given, or of a new figure one for all or, where ``split``, one below another with their names."""
+def new_panels(ax: Axes | None, names: Sequence[str], split: bool) -> list[Axes]:
+    """The axes of each part: those given, or of a new figure one for all; where ``split`` one below another with their names."""
     if ax is not None or not split:
         return [new_axes(ax)] * len(names)
-    axes = list(new_axes(None, len(names), sharex=True, figsize=(6.4, max(4.8, 1.2 + 1.6 * len(names)))))
+    axes: list[Axes] = list(new_axes(None, len(names), sharex=True, figsize=(6.4, max(4.8, 1.2 + 1.6 * len(names)))))
     for own, name in zip(axes, names):
         own.annotate(name, (0.0, 1.0), (4, -4), xycoords="axes fraction", textcoords="offset points", va="top", fontsize="small",
                      zorder=6, bbox={"boxstyle": "round,pad=0.15", "facecolor": "white", "edgecolor": "none", "alpha": 0.85})

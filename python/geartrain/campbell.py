@@ -96,10 +96,10 @@ class Crossing:
 
 @dataclass(frozen=True, eq=False)
 class Campbell:
-    """Natural frequencies of the mean train, the orders that excite them, and where they meet; printed, a table of the crossings.
+    """Natural frequencies of the mean train, the orders that excite them, and where they meet; printed a table of the crossings.
 
-    Crossings are ranked by the mesh force that they make: the share of the mode at the excited mesh times the excitation, over twice
-    the modal damping ratio.
+    Crossings are ranked by the mesh force that they make: the share of the mode at the excited mesh times the excitation, over
+    twice the modal damping ratio.
 
     Attributes
     ----------

@@ -129,5 +129,6 @@ class Modes(Table):
         figure.colorbar(shades, ax=ax, label="rotation, over the largest", shrink=0.8, ticks=[-1, 0, 1])
         hertz = self.natural_frequency_hertz
         assert hertz is not None
-        ax.set_title(f"mode {mode}:  {hertz[mode - 1]:.4g} Hz,  {100 * self.damping_ratio[mode - 1]:.2g} % of critical damping", fontsize=10)
+        damping = 100 * self.damping_ratio[mode - 1]
+        ax.set_title(f"mode {mode}:  {hertz[mode - 1]:.4g} Hz,  {damping:.2g} % of critical damping", fontsize=10)
         return ax

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ._box import described
 from ._captions import LENGTHS, caption, first_quantity, number_words
-from ._curve import Between, curve_at, is_slope
+from ._curve import Between, is_slope, position, value_at
 from ._draw import COLORS, MARKERS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, draws, line_style, put_legend
 from ._panels import are_unequal, name_height, new_panels, scale
 from ._units import Unit, Units, units_of
@@ -78,7 +78,7 @@ class Quantity:
     @property
     def from_zero(self) -> bool:
         """Whether its axis begins at zero: sizes do, but no ranges and no positions."""
-        return len(self.values) == 1 and self.name not in {"mean", "minimum", "maximum"} and not self.name.startswith("shaft_torque")
+        return len(self.values) == 1 and self.along == "mesh" and self.name not in {"mean", "minimum", "maximum"}
 
     def are_unequal(self, parts: Sequence[Array]) -> bool:
         """Whether parts with these values are drawn each in a panel of its own."""
@@ -298,7 +298,8 @@ class Curves(Readings):
         """The quantity of each column where the branch has the frequency (or parameter) and the rms, as before or after a jump."""
         if curve.name == "rms":
             return rms
-        return curve_at(between, free, between.of("rms", self.rms), rms, between.of(curve.fields[0], curve.values[0]))
+        where = position(between, free, between.of("rms", self.rms), rms)
+        return value_at(between.of(curve.fields[0], curve.values[0]), where)
 
     def _mark_ranges(self, ax: Axes, factor: float, rows: Mapping[int, Any], names: bool, panels: int) -> tuple[float, Keys]:
         """Strips above the axes, a row for each mesh that has any: light where teeth separate, dark where back flanks collide.

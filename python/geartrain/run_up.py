@@ -9,7 +9,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._dataset import dataset
 from ._draw import COLORS, draws, new_axes, put_legend
@@ -39,7 +39,7 @@ _KINDS = {
 _ROWS = 600
 _MOST_PICTURES = 100_000
 #: Least amplitude that a waterfall has room for, over the largest; levels below the largest that its colours show [dB].
-_SEEN, _DEPTH = 1e-3, 60.0
+_SEEN, _DEPTH = 1e-3, 80.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -321,11 +321,24 @@ def _name_levels(ax: Axes, image: Any, unit: str) -> None:
     figure = ax.get_figure()
     assert figure is not None
     bar = figure.colorbar(image, ax=ax, label=f"dB re 1 {unit.strip('[] ')}", pad=0.02)
-    amplitude = bar.ax.secondary_yaxis("left", functions=(lambda level: 10 ** (level / 20), lambda value: 20 * np.log10(value)))
+    amplitude = bar.ax.secondary_yaxis("left", functions=(_amplitude, _level))
     amplitude.set_yscale("log")
     amplitude.yaxis.set_major_locator(LogLocator())
     amplitude.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     amplitude.set_ylabel(f"amplitude  {unit}")
+
+
+def _amplitude(level: ArrayLike) -> ArrayLike:
+    """The amplitude of a level in dB."""
+    found: Array = 10.0 ** (np.asarray(level, float) / 20)
+    return found
+
+
+def _level(amplitude: ArrayLike) -> ArrayLike:
+    """The level of an amplitude in dB; -inf of zero."""
+    with np.errstate(divide="ignore"):
+        found: Array = 20 * np.log10(np.asarray(amplitude, float))
+    return found
 
 
 def _running_maximum(values: Array, wide: int) -> Array:
