@@ -31,6 +31,10 @@ Array = NDArray[np.float64]
 #: Entries of a legend by their names.
 Keys = dict[str, tuple[Any, ...]]
 
+#: Marks of what lies beyond a picture.
+_ARROWS = {"up": "\u25b2", "down": "\u25bc"}
+#: Where a long caption takes a second line.
+_BREAK = "\n("
 #: What the legend says of a speed from which on no motion of the branch is stable nearby.
 _SWITCH = "switches to another vibration"
 #: Short names for fields that are drawn together.
@@ -72,7 +76,7 @@ class Quantity:
         """Of its axis."""
         words = caption(self.name)
         if self.name in LENGTHS:
-            return f"{words}\n{units.length}" if len(words) > 40 else f"{words}  {units.length}"
+            return f"{words.replace(' (', _BREAK)}  {units.length}"
         return words if self.unit == "1" else f"{words}  [{self.unit}]"
 
     @property
@@ -222,20 +226,25 @@ class Curves(Readings):
         self, axes: Sequence[Axes], settled: Sequence[Array], curves: Sequence[Quantity], columns: Sequence[int], factor: float,
     ) -> None:
         """Scale the axes to the stable motions that repeat after one period; tell where the largest stable motion beyond is."""
+        unit = "" if curves[0].unit == "1" or curves[0].name in LENGTHS else f" {curves[0].unit}"
         for ax in dict.fromkeys(axes):
             there = [place for place, own in enumerate(axes) if own is ax]
             limits = scale(ax, np.concatenate([settled[place] for place in there]), curves[0].from_zero)
-            beyond = [
-                (float(values[point, columns[place]]), factor * float(branch._free[point]), branch.subharmonic)
-                for branch, curve in zip((self, *self.branches), curves) if branch.stable is not None and limits
-                for values in curve.values for place in there
-                for point in np.flatnonzero(branch.stable & (values[:, columns[place]] > limits[1]))
-            ]
-            if beyond:
+            for sign, sense, edge in ((1, "up", 1), (-1, "down", 0)) if limits else ():
+                beyond = [
+                    (sign * float(values[point, columns[place]]), factor * float(branch._free[point]), branch.subharmonic)
+                    for branch, curve in zip((self, *self.branches), curves) if branch.stable is not None
+                    for values in curve.values for place in there
+                    for point in np.flatnonzero(branch.stable & (sign * (values[:, columns[place]] - limits[edge]) > 0))
+                ]
+                if not beyond:
+                    continue
                 largest, at, period = max(beyond)
                 words = f"repeats after {period} periods:" if period > 1 else "stable"
-                ax.annotate(f"\u25b2 {words} up to {number_words(largest)}", (at, 1.0), (0, -3), xycoords=("data", "axes fraction"),
-                            textcoords="offset points", ha="center", va="top", fontsize=7,
+                number = number_words(sign * float(f"{largest:.4g}"))
+                ax.annotate(f"{_ARROWS[sense]} {words} {sense} to {number}{unit}", (at, edge), (0, -3 * sign),
+                            xycoords=("data", "axes fraction"), textcoords="offset points", ha="center",
+                            va="top" if edge else "bottom", fontsize=7,
                             bbox={"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.85})
 
     def _mark_unstable(self, style: dict[str, Any]) -> Keys:

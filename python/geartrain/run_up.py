@@ -291,15 +291,18 @@ class RunUp(Table):
         )
         _name_levels(ax, image, units.length if what == "displacement" else f"[{dimension}]")
         fundamental = np.interp(time, self.time, self.fundamental_frequency)
+        # Width of a letter and of the frame of a name, and its height, over the axes.
+        extent, point = ax.get_window_extent(), ax.figure.dpi / 72
+        letter, frame, tall = 5.0 * point / extent.width, 8.0 * point / extent.width, 14.0 * point / extent.height
         taken: list[tuple[float, float, float]] = []
         for order, name in orders_of(self.train, orders).items():
             ax.plot(across, order * fundamental, color="white", lw=1.0, ls="--")
             inside = np.flatnonzero((order * fundamental <= 0.97 * highest) & (order * fundamental >= 0.03 * highest))
-            wide = 0.012 * len(name) + 0.02
+            wide = letter * len(name) + frame
             # Near the fast end of the line, inside of the frame and clear of other names; nowhere else than there.
             for end in inside[np.argsort(-fundamental[inside])]:
                 place = float((across[end] - across[0]) / (across[-1] - across[0])), float(order * fundamental[end] / highest)
-                clear = all(abs(place[0] - x) > (wide + other) / 2 or abs(place[1] - y) > 0.05 for x, y, other in taken)
+                clear = all(abs(place[0] - x) > (wide + other) / 2 or abs(place[1] - y) > tall for x, y, other in taken)
                 if clear and wide / 2 < place[0] < 1 - wide / 2:
                     taken.append((*place, wide))
                     ax.annotate(name, (across[end], order * fundamental[end]), color="white", ha="center", va="center",

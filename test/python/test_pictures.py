@@ -27,7 +27,7 @@ pytestmark = pytest.mark.usefixtures("closed_figures")
 def test_a_response_in_its_units(branch, unit, label, factor):
     ax = branch.plot(mesh=2, unit=unit)
     assert ax.get_xlabel() == label
-    assert ax.get_ylabel() == "mesh displacement, rms of the paper (true rms times \u221a2)\n$/\\, b_c$"
+    assert ax.get_ylabel() == "mesh displacement, rms of the paper\n(true rms times \u221a2)  $/\\, b_c$"
     drawn = {(x, y) for line in ax.lines for x, y in zip(*line.get_data(), strict=True)}
     # With places between the points, see test_fewer_points.py.
     assert drawn > set(zip(factor * branch.frequency, branch.rms[:, 1], strict=True))
