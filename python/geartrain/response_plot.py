@@ -230,7 +230,9 @@ class Curves(Readings):
         for ax in dict.fromkeys(axes):
             there = [place for place, own in enumerate(axes) if own is ax]
             limits = scale(ax, np.concatenate([settled[place] for place in there]), curves[0].from_zero)
-            for sign, sense, edge in ((1, "up", 1), (-1, "down", 0)) if limits else ():
+            if limits is None:
+                continue
+            for sign, sense, edge in ((1, "up", 1), (-1, "down", 0)):
                 beyond = [
                     (sign * float(values[point, columns[place]]), factor * float(branch._free[point]), branch.subharmonic)
                     for branch, curve in zip((self, *self.branches), curves) if branch.stable is not None
@@ -297,10 +299,13 @@ class Curves(Readings):
                 for ax in dict.fromkeys(axes):
                     ax.axvline(at, color="0.35", linewidth=0.8, linestyle=":")
         keys = {}
+        line = Line2D([], [], color="0.35", linewidth=0.8, linestyle=":")
+        if not single and len(kinds) == 2:
+            return {f"jump, or {_SWITCH}": (line,)}
         if True in kinds:
-            keys["jump"] = (Line2D([], [], color="0.35", linewidth=0.9, linestyle="-" if single else ":"),)
+            keys["jump"] = (Line2D([], [], color="0.35", linewidth=0.9) if single else line,)
         if False in kinds:
-            keys[_SWITCH] = (Line2D([], [], color="0.35", linewidth=0.8, linestyle=":"),)
+            keys[_SWITCH] = (line,)
         return keys
 
     def _value_at(self, curve: Quantity, between: Between, free: float, rms: Array) -> Array:
