@@ -106,12 +106,16 @@ def draw_reducer(folder: Path) -> None:
     case = gt.read_case(CASES / "reducer.nml")
     response = case.train.response(start=200, stop=4000, unit="rpm", harmonics=0, tolerance=1e-3)
     print(response.peaks(1), response.peaks(2), response.jumps, response.ended, sep="\n")
-    figure, axes = plt.subplots(2, 1, figsize=(8, 7), sharex=True, constrained_layout=True)
-    response.plot(ax=axes[0], quantity="mesh_force", jumps=True)
-    response.plot(ax=axes[1], quantity="shaft_torque")
-    axes[0].set_xlabel("")
-    for ax in axes:
-        ax.legend(loc=(0.46, 0.64))
+    layout = {"figsize": (8, 9), "sharex": True, "constrained_layout": True, "height_ratios": (2, 1, 1, 1)}
+    figure, axes = plt.subplots(4, 1, **layout)
+    response.plot(ax=axes[0], jumps=True)
+    axes[0].legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, frameon=False)
+    for shaft, (ax, label) in enumerate(zip(axes[1:], case.train.shaft_labels), 1):
+        response.plot(ax=ax, quantity="shaft_torque", shaft=shaft, color=f"C{shaft - 1}")
+        ax.set_title(label, loc="left", fontsize="medium")
+        ax.set_ylabel("torque  [N m]")
+    for ax in axes[:-1]:
+        ax.set_xlabel("")
     figure.savefig(folder / "reducer_response.png", dpi=80)
     run_up = case.train.run_up(**case.run_up)
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.2), constrained_layout=True)

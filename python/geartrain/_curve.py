@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Between", "is_slope", "slopes"]
+__all__ = ["Between", "is_slope", "position", "slopes", "value_at"]
 
 Array = NDArray[np.float64]
 #: Places at which a step is drawn.
@@ -71,6 +71,34 @@ class Between:
         after = (self._share > changes[self._point]) & (self._share > 0)
         stable: NDArray[np.bool_] = branch.stable[np.minimum(self._point + after, len(changes) - 1)]
         return stable
+
+
+def position(between: Between, free: float, rms: Array, wanted: Array) -> tuple[int, float]:
+    """Where a branch has a frequency (or parameter) and, of all such places, the rms nearest to that wanted.
+
+    Gives a place and the share of the step from there. A fold lies beyond the places on either side of it: places themselves count
+    as well, by their distance in frequency.
+    """
+    at = between.frequency
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = (free - at[:-1]) / np.diff(at)
+    first = np.flatnonzero((np.diff(between.segment) == 0) & (share >= 0) & (share <= 1))
+    shares = share[first, np.newaxis]
+    scale, extent = np.abs(rms).max() or 1.0, np.ptp(at) or 1.0
+    crossed = np.abs((1 - shares) * rms[first] + shares * rms[first + 1] - wanted).max(axis=1, initial=0.0) / scale
+    near = np.abs(rms - wanted).max(axis=1, initial=0.0) / scale + np.abs(at - free) / extent
+    place = int(near.argmin())
+    if len(first) and crossed.min() <= near[place]:
+        one = int(crossed.argmin())
+        return int(first[one]), float(share[first[one]])
+    return place, 0.0
+
+
+def value_at(values: Array, where: tuple[int, float]) -> Array:
+    """Values at a position, (columns,)."""
+    place, share = where
+    found: Array = values[place] if share == 0 else (1 - share) * values[place] + share * values[place + 1]
+    return found
 
 
 def slopes(along: Array, values: Array, joined: NDArray[np.bool_]) -> Array:

@@ -53,6 +53,8 @@ def plot_style() -> dict[str, Any]:
         "axes.grid": True,
         "grid.color": "0.92",
         "axes.axisbelow": True,
+        "axes.formatter.useoffset": False,
+        "axes.formatter.limits": (-4, 7),
         "hatch.linewidth": 0.6,
     }
 

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import described
-from ._curve import is_slope
+from ._captions import caption, first_quantity, is_drawn
+from ._curve import Between, is_slope, position, value_at
 from ._extras import extra
 from ._motion_table import as_columns
 from ._orders import named_orders
@@ -41,13 +42,14 @@ _FACTS = ("error_estimate", "estimate_doubtful", "correction", "harmonics", "sec
 
 
 def quantities() -> dict[str, dict[str, str]]:
-    """What can be drawn over the speed: fields with a column for each mesh or for each shaft, what they are and their unit."""
+    """What can be drawn over the speed: fields with a column for each mesh or for each shaft, what they are called, their unit."""
     about = described()["/response"].about
-    return {
-        name: {"along": dimensions[1], "unit": unit, "about": words}
-        for name, (dimensions, unit, words) in about.items()
+    found = {
+        name: {"along": dimensions[1], "unit": unit, "words": caption(name)}
+        for name, (dimensions, unit, _) in about.items()
         if len(dimensions) == 2 and dimensions[1] in ("mesh", "shaft") and not is_slope(name)
     }
+    return {**found, "peak_to_peak": {**found["maximum"], "words": caption("peak_to_peak")}}
 
 
 def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict[str, Any]:
@@ -79,7 +81,8 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
             notes.append(f"{kind} is over frequency, and not drawn over {over}")
         elif parts[kind]:
             shown.append(_of_motions(parts[kind], kind, block, every))
-    settled = [motion for kind in ("integration", "attractors") for motion in parts[kind] or () if motion.period and not over]
+    settled = [motion for kind in ("integration", "attractors") for motion in parts[kind] or ()
+               if (motion.period or motion.window) and not over]
     laws, forces = _laws(train, branches, settled)
     tables = [table for place, branch in enumerate(branches) for table in _tables(branch, place, shown[place]["name"])]
     if parts["modes"] is not None:
@@ -89,7 +92,7 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
                if units_of(train, None).unit == "Lambda" else {}),
             **({} if (hertz := hertz_of(train, 1.0)) is None else
                {"natural frequency [Hz]": (hertz * parts["modes"].natural_frequency).tolist()}),
-            "damping ratio": parts["modes"].damping_ratio.tolist(),
+            "damping, % of critical": (100 * parts["modes"].damping_ratio).tolist(),
         }))
     return {
         "name": name or train.title or "",
@@ -100,6 +103,8 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
         "warnings": list(train.warnings),
         "perLambda": {"Lambda": 1.0, "rpm": speed_of(train, 1.0), "Hz": hertz_of(train, 1.0)},
         "unit": units_of(train, None).unit,
+        "drawn": is_drawn(train),
+        "first": {"mesh_force": "mesh_force_maximum"}.get(first := first_quantity(train), first),
         "speedOf": train.speed_name,
         "length": train._outline["characteristic_length"],
         "lengthUnit": length_unit(train).strip(" []"),
@@ -134,6 +139,17 @@ def _of_branch(branch: Any, first: bool, block: Block, every: int) -> dict[str, 
     kind = next((kind for words, kind in origins if branch.origin.startswith(words)), "response" if first else "island")
     arrays = branch.arrays()
     arrays["true_ac_rms"] = branch.true_ac_rms
+    names = [name for name in quantities() if (name == "peak_to_peak" or arrays.get(name) is not None)]
+    between = Between(branch) if len(branch) else None
+    curves = {} if between is None else {name: between.of(name, _quantity(arrays, name)) for name in names}
+
+    def values(at: float, rms: Array) -> dict[str, Array]:
+        """Of each quantity the values where the branch has this frequency (or parameter) and this rms."""
+        if between is None or not np.isfinite(rms).all():
+            return {}
+        where = position(between, at, curves["rms"], rms)
+        return {**{name: value_at(curve, where) for name, curve in curves.items()}, "rms": rms, "true_ac_rms": rms / np.sqrt(2)}
+
     known = branch.stable is not None
     meshes = range(1, branch.rms.shape[1] + 1)
     ranges = [
@@ -152,11 +168,12 @@ def _of_branch(branch: Any, first: bool, block: Block, every: int) -> dict[str, 
         "period": block.add(np.full(len(branch), branch.subharmonic), "i4"),
         "orders": [int(order) for order in branch.orders],
         "jumps": [
-            {"at": _free(jump), "kind": jump.kind, "direction": jump.direction, "before": jump.before, "after": jump.after}
+            {"at": _free(jump), "kind": jump.kind, "direction": jump.direction, "before": values(_free(jump), jump.before),
+             "after": values(_free(jump), jump.after)}
             for jump in branch.jumps
         ],
         "specials": [
-            {"kind": special.kind, "at": _free(special), "point": special.point, "rms": special.rms}
+            {"kind": special.kind, "at": _free(special), "point": special.point, "values": values(_free(special), special.rms)}
             for special in branch.special_points
         ],
         "ranges": ranges,
@@ -179,6 +196,7 @@ def _of_motions(motions: Any, kind: str, block: Block, every: int) -> dict[str, 
         "ended": in_own_unit(motions.ended, motions[0].train if motions else None),
         "complete": motions.complete,
         "period": block.add(columns["period"], "i4"),
+        "window": block.add(columns["window"], "f8"),
         "kinds": list(columns["kind"]),
         "directions": list(getattr(motions, "direction", ())),
         "orders": list(range(1, harmonics + 1)),
@@ -202,10 +220,17 @@ def _points(arrays: Mapping[str, Any], block: Block, every: int) -> dict[str, An
         "acrossSlope": block.add(arrays.get("free_slope"), "f8"),
         "rmsSlope": block.add(arrays.get("rms_slope"), "f8"),
         "facts": {name: block.add(arrays[name]) for name in _FACTS if arrays.get(name) is not None},
-        "values": {name: block.add(arrays[name]) for name in quantities() if arrays.get(name) is not None},
+        "values": {name: block.add(_quantity(arrays, name)) for name in quantities()
+                   if name == "peak_to_peak" or arrays.get(name) is not None},
         "coefficients": block.add(_seen(arrays["coefficients"][::every]), drawn=True),
         "multipliers": block.add(multipliers, drawn=True),
     }
+
+
+def _quantity(arrays: Mapping[str, Any], name: str) -> Array:
+    """The values of a quantity."""
+    values: Array = arrays["maximum"] - arrays["minimum"] if name == "peak_to_peak" else arrays[name]
+    return values
 
 
 def _seen(coefficients: Array) -> Array:
@@ -226,8 +251,8 @@ def _laws(train: Description, branches: Sequence[Any], settled: Sequence[Any]) -
     if settled:
         columns = as_columns(settled)
         orders = np.arange(1, (columns["coefficients"].shape[-1] + 1) // 2)
-        names = ("frequency", "period", "coefficients", "mesh_force_maximum")
-        frequency, period, coefficients, largest = (columns[name] for name in names)
+        frequency, coefficients, largest = (columns[name] for name in ("frequency", "coefficients", "mesh_force_maximum"))
+        period = columns["period"] if columns["window"] is None else np.maximum(columns["period"], columns["window"])
         tried.append((_ALIKE_SETTLED, frequency, period, orders, coefficients, largest))
     if not tried:
         return [], ""
@@ -258,8 +283,20 @@ def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
     found.append(_table(*_bands(branch)))
     for table in found:
         table["branch"] = "" if place == 0 else name
+        _name_rms(table, is_drawn(branch.train))
         table["headings"] = [branch.parameter_name + unit if heading == "parameter" else heading for heading in table["headings"]]
     return [table for table in found if table["rows"]]
+
+
+def _name_rms(table: dict[str, Any], drawn: bool) -> None:
+    """Say which rms a table has: that of the paper, or of a train with a drawing the true one, of which it is sqrt(2) times."""
+    columns = [place for place, heading in enumerate(table["headings"]) if heading.startswith("rms")]
+    factor = float(np.sqrt(0.5)) if drawn else 1.0
+    for place in columns:
+        rest = table["headings"][place].removeprefix("rms")
+        table["headings"][place] = f"true rms{rest}" if drawn else f"rms of the paper{rest}"
+    table["rows"] = [[None if cell is None else factor * cell if place in columns else cell for place, cell in enumerate(row)]
+                     for row in table["rows"]]
 
 
 def _largest(branch: Any, place: int) -> tuple[str, dict[str, list[Any]], list[list[int]]]:

@@ -13,7 +13,7 @@ from ._draw import COLORS, draws, new_axes
 from ._extras import extra
 from ._motion_table import motions_dataset, motions_of, put_table
 from ._table import Table
-from ._units import in_own_unit
+from ._units import in_own_unit, units_of
 from .description import Description
 from .errors import InputError, shown
 from .motion import Motion
@@ -163,14 +163,15 @@ class Basins(Table):
         handles = [patches.Patch(facecolor=color, edgecolor="0.5", label=name) for _, name, color in drawn]
         ax.legend(handles=handles, loc="upper center", bbox_to_anchor=(0.5, -0.14), frameon=False, fontsize="small")
         ax.grid(visible=False)
-        ax.set_xlabel(rf"displacement of mesh {self.mesh} at the start  $p_{self.mesh}$")
-        ax.set_ylabel(rf"velocity  $\dot p_{self.mesh}$")
+        ax.set_xlabel(f"displacement of mesh {self.mesh} at the start  {units_of(self.train, None).length}")
+        ax.set_ylabel(rf"velocity of mesh {self.mesh} at the start  $/\, b_c \omega_c$")
         return ax
 
     def _named(self, number: int) -> str:
         motion = self.motions[number - 1]
         rms = ", ".join(f"{value:.3g}" for value in motion.rms)
-        return f"period {motion.period}, rms {rms}: {self.grid_share[number - 1]:.1%}"
+        repeats = "one period" if motion.period == 1 else f"{motion.period} periods"
+        return f"repeats after {repeats}, rms of the paper {rms}: {self.grid_share[number - 1]:.1%}"
 
     def to_dataset(self) -> Dataset:
         """The fields as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""

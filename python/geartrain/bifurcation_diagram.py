@@ -21,6 +21,9 @@ __all__ = ["BifurcationDiagram"]
 
 Array = NDArray[np.float64]
 
+#: Names of the directions of a sweep.
+_SPEEDS = {"up": "rising speed", "down": "falling speed"}
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BifurcationDiagram(Table):
@@ -113,14 +116,15 @@ class BifurcationDiagram(Table):
         --------
         >>> diagram.plot(mesh=2).figure.savefig("diagram.png")  # doctest: +SKIP
         """
-        titles = {"displacement": r"displacement  $p_{}$ at phase 0", "velocity": r"velocity  $\dot p_{}$ at phase 0",
-                  "lyapunov_exponents": "two largest Lyapunov exponents"}
+        units = units_of(self.train, unit)
+        titles = {"displacement": f"displacement of mesh {mesh}, once a period  {units.length}",
+                  "velocity": rf"velocity of mesh {mesh}, once a period  $/\, b_c \omega_c$",
+                  "lyapunov_exponents": r"two largest Lyapunov exponents  $/\, \omega_c$"}
         if what not in titles:
             raise InputError(f"what = {shown(what)}: must be {', '.join(map(repr, titles))}")
         meshes = self.displacement.shape[2]
         if what != "lyapunov_exponents" and (isinstance(mesh, bool) or mesh not in range(1, meshes + 1)):
             raise InputError(f"mesh = {shown(mesh)}: must be 1 to {meshes}")
-        units = units_of(self.train, unit)
         ax = new_axes(ax)
         values: Array = getattr(self, what)
         values = values[:, :2] if what == "lyapunov_exponents" else values[:, :, mesh - 1]
@@ -130,9 +134,9 @@ class BifurcationDiagram(Table):
             frequency = np.repeat(units.per_lambda * self.frequency[there], values.shape[1])
             ax.plot(frequency, values[there].ravel(), **{
                 "linestyle": "none", "marker": marker, "markersize": 2.4 if direction == directions[0] else 1.2,
-                "markeredgewidth": 0, "color": color, "label": direction, "rasterized": True, **style})
+                "markeredgewidth": 0, "color": color, "label": _SPEEDS[direction], "rasterized": True, **style})
         if len(directions) > 1:
             ax.legend(frameon=False, markerscale=3)
         ax.set_xlabel(units.frequency)
-        ax.set_ylabel(titles[what].format(mesh))
+        ax.set_ylabel(titles[what])
         return ax

@@ -66,7 +66,7 @@ class Modes(Table):
             "mode": range(1, len(self.natural_frequency) + 1),
             "natural [Hz]": [None] * len(self.natural_frequency) if hertz is None else hertz.tolist(),
             "Lambda": self.natural_frequency.tolist(),
-            "damping ratio": self.damping_ratio.tolist(),
+            "damping [%]": (100 * self.damping_ratio).tolist(),
         })
 
     __repr__ = __str__
@@ -126,8 +126,9 @@ class Modes(Table):
         draw_schematic(self.train, ax, body_color=shades.to_rgba(self.rotation[mode - 1]), strength=shares)
         figure = ax.get_figure()
         assert figure is not None
-        figure.colorbar(shades, ax=ax, label="rotation, over the largest", shrink=0.8)
+        figure.colorbar(shades, ax=ax, label="rotation, over the largest", shrink=0.8, ticks=[-1, 0, 1])
         hertz = self.natural_frequency_hertz
         assert hertz is not None
-        ax.set_title(f"mode {mode}:  {hertz[mode - 1]:.5g} Hz,  damping ratio {self.damping_ratio[mode - 1]:.3g}", fontsize=10)
+        damping = 100 * self.damping_ratio[mode - 1]
+        ax.set_title(f"mode {mode}:  {hertz[mode - 1]:.4g} Hz,  {damping:.2g} % of critical damping", fontsize=10)
         return ax

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._captions import motion_words
 from ._draw import DASHES, MARKERS, check_number, draw_lines, draws, line_style, new_axes, put_legend
 from ._motion_check import check_motion
 from ._orders import named_orders
@@ -46,6 +47,8 @@ class Pictures:
     frequency: float
     period: int
     window: float
+    kind: str
+    stable: Any
     rms: Array
     train: Description | None
 
@@ -68,7 +71,8 @@ class Pictures:
     ) -> Sequence[Axes]:
         """Draw the time history of the displacement and of the mesh force, and the spectrum of the displacement.
 
-        Where meshes have different orders, or bodies their revolutions, the largest lines of the spectrum have names.
+        The legend names the speed. Where meshes have different orders, or bodies their revolutions, the largest lines of the
+        spectrum have names.
 
         Parameters
         ----------
@@ -128,7 +132,8 @@ class Pictures:
         axes[2].set_xlabel({"Lambda": r"order, multiples of $\Lambda$", "rpm": turns, "Hz": "frequency  [Hz]"}[units.unit])
         for ax in axes[:2]:
             ax.margins(x=0)
-        put_legend(axes[0], own=True)
+        put_legend(axes[0], own=True, title=self._words())
+        axes[0].figure.align_ylabels(list(axes)[:3])
         return axes
 
     @draws
@@ -196,6 +201,7 @@ class Pictures:
         ax = new_axes(ax)
         ax.set_xlabel(f"displacement of {mesh_names(self.train, len(self.rms))[mesh - 1]} {units.length}")
         ax.set_ylabel(f"velocity {units.velocity}")
+        ax.set_title(self._words(), fontsize="medium")
         return ax, path, units
 
     def _with_gap(self, ax: Axes, mesh: int) -> Axes:
@@ -207,6 +213,10 @@ class Pictures:
             ax.axvspan(-half, half, color="0.92", zorder=0)
             ax.set_xlim(ends)
         return ax
+
+    def _words(self) -> str:
+        """The speed and what kind of motion it is."""
+        return motion_words(self.train, float(self.frequency), self.period, self.kind, self.stable)
 
     def _chosen(self, mesh: int | None) -> Sequence[int]:
         """Columns of the meshes to draw."""
@@ -240,7 +250,7 @@ class Pictures:
 
     def _name_lines(self, ax: Axes, order: Array, places: Array, height: Array) -> None:
         """Names at the largest lines: multiples of the mesh orders, their sums and differences, and revolutions of bodies."""
-        names = named_orders(self.train) if self.train is not None else {}
+        names = {} if self.train is None else {**_exciting_names(self.train), **named_orders(self.train)}
         # The lines of a window lie beside the orders.
         near = 0.5 / self.window if self.window else 1e-9
         taken: list[float] = []
@@ -254,3 +264,10 @@ class Pictures:
                             va="bottom", fontsize=7)
                 top = max(top, height[line] * tall / max(tall - _LETTER * len(name) - 6, 0.3 * tall))
         ax.set_ylim(0, top)
+
+
+def _exciting_names(train: Description) -> dict[float, str]:
+    """Names of the orders that excite a train whose orders have names."""
+    if not named_orders(train):
+        return {}
+    return {float(order.order): order.name.replace("revolution of ", "") for order in exciting_orders(train)}

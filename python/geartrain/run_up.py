@@ -9,11 +9,12 @@ from numbers import Integral
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ._dataset import dataset
-from ._draw import draws, new_axes, put_legend
+from ._draw import COLORS, draws, new_axes, put_legend
 from ._orders import orders_of
+from ._panels import are_unequal, name_height, new_panels, scale
 from ._table import Table
 from ._units import Unit, in_own_unit, units_of
 from .campbell import exciting_orders
@@ -30,15 +31,15 @@ Array = NDArray[np.float64]
 
 #: What is drawn: its dimension beside time, and the label of its axis.
 _KINDS = {
-    "mesh_force": ("mesh", "mesh force  [N]"),
-    "shaft_torque": ("shaft", "shaft torque  [N m]"),
-    "displacement": ("mesh", "mesh displacement"),
+    "mesh_force": ("mesh", "mesh force, smallest to largest", "N"),
+    "shaft_torque": ("shaft", "shaft torque, smallest to largest", "N m"),
+    "displacement": ("mesh", "mesh displacement, smallest to largest", ""),
 }
 #: Most rows of a waterfall; neighbouring lines of a spectrum share a row.
 _ROWS = 600
 _MOST_PICTURES = 100_000
-#: Least amplitude that a waterfall has room for, over the largest.
-_SEEN = 1e-3
+#: Least amplitude that a waterfall has room for, over the largest; levels below the largest that its colours show [dB].
+_SEEN, _DEPTH = 1e-3, 80.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -129,7 +130,8 @@ class RunUp(Table):
     def plot(self, what: str = "mesh_force", ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:
         """Draw the range that each force, torque or displacement goes through, over the frequency.
 
-        The range is that of a period of the slowest excitation, as of the torque of an engine, or of the slowest mesh.
+        The range is that of a period of the slowest excitation, as of the torque of an engine, or of the slowest mesh. On axes of
+        their own shafts or meshes too unequal for one picture have panels one below another, of which the uppermost is returned.
 
         Parameters
         ----------
@@ -150,7 +152,7 @@ class RunUp(Table):
         >>> run_up = train.run_up(start=0.4, stop=0.8, duration=0.2)
         >>> run_up.plot().figure.savefig("run_up.png")  # doctest: +SKIP
         """
-        along, label = _one_of("what", what, _KINDS)
+        along, label, dimension = _one_of("what", what, _KINDS)
         units = units_of(self.train, unit)
         frequency = self.frequency * units.per_lambda
         if what == "displacement":
@@ -164,15 +166,23 @@ class RunUp(Table):
             frequency = np.interp(self.window_time, self.time, frequency)
         wide = self._windows_of_the_slowest()
         low, high = -_running_maximum(-low, wide), _running_maximum(high, wide)
-        own, ax = ax is None, new_axes(ax)
-        for place, name in enumerate(getattr(self, f"{along}_label")):
-            if not np.isnan(low[:, place]).any():
-                ax.fill_between(frequency, low[:, place], high[:, place], **{"alpha": 0.7, "lw": 1.0, "label": name, **style})
-        ax.set_xlim(frequency[0], frequency[-1] if frequency[-1] != frequency[0] else None)
-        ax.set_xlabel(units.frequency)
-        ax.set_ylabel(f"{label}  {units.length}" if what == "displacement" else label)
-        put_legend(ax, own)
-        return ax
+        names = getattr(self, f"{along}_label")
+        known = [place for place in range(len(names)) if not np.isnan(low[:, place]).any()]
+        parts = [np.concatenate([low[:, place], high[:, place]]) for place in known]
+        own, split = ax is None, ax is None and are_unequal(parts, ranges=True)
+        axes = new_panels(ax, [names[place] for place in known], split) or [new_axes(ax)]
+        for place, part, panel in zip(known, parts, axes):
+            look: dict[str, Any] = {"color": COLORS[place % len(COLORS)], "alpha": 0.7, "lw": 1.0} if split else {
+                "alpha": 0.7, "lw": 1.0, "label": names[place]}
+            panel.fill_between(frequency, low[:, place], high[:, place], **{**look, **style})
+            if split:
+                scale(panel, part, from_zero=False)
+        axes[-1].set_xlim(frequency[0], frequency[-1] if frequency[-1] != frequency[0] else None)
+        axes[-1].set_xlabel(units.frequency)
+        name_height(axes, f"{label}  {units.length}" if what == "displacement" else f"{label}  [{dimension}]")
+        if not split:
+            put_legend(axes[0], own)
+        return axes[0]
 
     def _windows_of_the_slowest(self) -> int:
         """Windows in a period of the slowest excitation; a window is a period of the slowest mesh."""
@@ -201,7 +211,7 @@ class RunUp(Table):
         amplitude : ndarray, (pictures, lines)
             In the unit of what it is of.
         """
-        along, _ = _one_of("what", what, _KINDS)
+        along, *_ = _one_of("what", what, _KINDS)
         labels = getattr(self, f"{along}_label")
         if isinstance(number, bool) or number not in range(1, len(labels) + 1):
             raise InputError(f"number = {shown(number)}: must be 1 to {len(labels)}, the number of a {along}")
@@ -226,7 +236,9 @@ class RunUp(Table):
         self, what: str = "mesh_force", number: int = 1, ax: Axes | None = None, *, unit: Unit | None = None,
         orders: Iterable[float | str] | None = None, highest: float | None = None, **style: Any,
     ) -> Axes:
-        """Draw the `spectra`: amplitude as colour over the speed and the frequency.
+        """Draw the `spectra`: amplitude as colour over the speed and the frequency, with both its value and its level in dB.
+
+        Levels are over 1 N, 1 N m or the unit of displacements.
 
         Parameters
         ----------
@@ -259,9 +271,9 @@ class RunUp(Table):
         'frequency  [Hz]'
         """
         time, lines, amplitude = self.spectra(what, number)
-        along, _ = _one_of("what", what, _KINDS)
+        along, _, dimension = _one_of("what", what, _KINDS)
         units = units_of(self.train, unit)
-        ax = new_axes(ax)
+        ax = new_axes(ax, figsize=(7.4, 4.8))
         if highest is None:
             seen = amplitude[:, lines <= lines[-1] / 4].max(axis=0)
             highest = 1.05 * float(lines[np.flatnonzero(seen >= _SEEN * seen.max())[-1]]) or float(lines[-1]) / 4
@@ -271,20 +283,31 @@ class RunUp(Table):
         largest = shares.max() or 1.0
         speed = np.interp(time, self.time, self.frequency * units.per_lambda)
         across = speed if np.ptp(speed) > 0 else time
+        level = 20 * np.log10(np.maximum(shares, 1e-5 * largest)).T
+        top = float(np.ceil(level.max()))
         image = ax.pcolormesh(
-            across, lines[group], 20 * np.log10(np.maximum(shares, 1e-5 * largest) / largest).T,
-            **{"shading": "nearest", "rasterized": True, "vmin": -80.0, "vmax": 0.0, **style},
+            across, lines[group], level,
+            **{"shading": "nearest", "rasterized": True, "vmin": top - _DEPTH, "vmax": top, **style},
         )
-        ax.figure.colorbar(image, ax=ax, label="amplitude  [dB of the largest]")
+        _name_levels(ax, image, units.length if what == "displacement" else f"[{dimension}]")
         fundamental = np.interp(time, self.time, self.fundamental_frequency)
+        # Width of a letter and of the frame of a name, and its height, over the axes.
+        extent, point = ax.get_window_extent(), ax.figure.dpi / 72
+        letter, frame, tall = 5.0 * point / extent.width, 8.0 * point / extent.width, 14.0 * point / extent.height
+        taken: list[tuple[float, float, float]] = []
         for order, name in orders_of(self.train, orders).items():
             ax.plot(across, order * fundamental, color="white", lw=1.0, ls="--")
-            inside = np.flatnonzero(order * fundamental <= 0.96 * highest)
-            if len(inside):
-                # Near the fast end of the line, inside of the frame.
-                end = inside[np.argsort(fundamental[inside])[int(0.95 * (len(inside) - 1))]]
-                ax.annotate(name, (across[end], order * fundamental[end]), color="white", ha="center", va="center",
-                            fontsize=8, bbox={"boxstyle": "round,pad=0.15", "facecolor": "0.15", "edgecolor": "none"})
+            inside = np.flatnonzero((order * fundamental <= 0.97 * highest) & (order * fundamental >= 0.03 * highest))
+            wide = letter * len(name) + frame
+            # Near the fast end of the line, inside of the frame and clear of other names; nowhere else than there.
+            for end in inside[np.argsort(-fundamental[inside])]:
+                place = float((across[end] - across[0]) / (across[-1] - across[0])), float(order * fundamental[end] / highest)
+                clear = all(abs(place[0] - x) > (wide + other) / 2 or abs(place[1] - y) > tall for x, y, other in taken)
+                if clear and wide / 2 < place[0] < 1 - wide / 2:
+                    taken.append((*place, wide))
+                    ax.annotate(name, (across[end], order * fundamental[end]), color="white", ha="center", va="center",
+                                fontsize=8, bbox={"boxstyle": "round,pad=0.15", "facecolor": "0.15", "edgecolor": "none"})
+                    break
         ax.set_ylim(0, highest)
         ax.set_xlim(across[0], across[-1])
         ax.grid(visible=False)
@@ -292,6 +315,33 @@ class RunUp(Table):
         ax.set_ylabel("frequency  [Hz]")
         ax.set_title(f"{what.replace('_', ' ')}, {getattr(self, f'{along}_label')[number - 1]}")
         return ax
+
+
+def _name_levels(ax: Axes, image: Any, unit: str) -> None:
+    """A bar of the colours with levels in dB on its right and amplitudes on its left."""
+    from matplotlib.ticker import FuncFormatter, LogLocator
+
+    figure = ax.get_figure()
+    assert figure is not None
+    bar = figure.colorbar(image, ax=ax, label=f"dB re 1 {unit.strip('[] ')}", pad=0.02)
+    amplitude = bar.ax.secondary_yaxis("left", functions=(_amplitude, _level))
+    amplitude.set_yscale("log")
+    amplitude.yaxis.set_major_locator(LogLocator())
+    amplitude.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    amplitude.set_ylabel(f"amplitude  {unit}")
+
+
+def _amplitude(level: ArrayLike) -> ArrayLike:
+    """The amplitude of a level in dB."""
+    found: Array = 10.0 ** (np.asarray(level, float) / 20)
+    return found
+
+
+def _level(amplitude: ArrayLike) -> ArrayLike:
+    """The level of an amplitude in dB; -inf of zero."""
+    with np.errstate(divide="ignore"):
+        found: Array = 20 * np.log10(np.asarray(amplitude, float))
+    return found
 
 
 def _running_maximum(values: Array, wide: int) -> Array:
@@ -302,7 +352,7 @@ def _running_maximum(values: Array, wide: int) -> Array:
     return largest
 
 
-def _one_of(name: str, value: str, table: dict[str, tuple[str, str]]) -> tuple[str, str]:
+def _one_of(name: str, value: str, table: dict[str, tuple[str, str, str]]) -> tuple[str, str, str]:
     """The row of a table by its name."""
     if value not in table:
         raise InputError(f"{name} = {shown(value)}: must be {', '.join(map(repr, table))}")

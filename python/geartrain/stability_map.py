@@ -34,9 +34,9 @@ _NAMES = {
     "half_backlash": "half backlash",
 }
 _TITLES = {
-    "spectral_radius": "largest |multiplier|",
-    "stable_motions": "stable motions",
-    "motions": "motions",
+    "spectral_radius": "largest |multiplier|, stable below 1",
+    "stable_motions": "number of stable motions",
+    "motions": "number of motions",
 }
 
 

@@ -76,7 +76,7 @@ class Sweep(list[Motion]):
 
     @draws
     def plot(
-        self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str = "rms", shaft: int | None = None,
+        self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str | None = None, shaft: int | None = None,
         unit: Unit | None = None, **style: Any,
     ) -> Axes:
         """Draw a quantity over the speed: a triangle for each motion, upwards and full with rising, downwards with falling speed.

@@ -645,7 +645,7 @@ class Train(Description):
         Returns
         -------
         Campbell
-            Printed it is a table of the crossings.
+            Printed it is a table of the crossings, ranked by the mesh force that they make.
 
         Examples
         --------
@@ -657,7 +657,7 @@ class Train(Description):
         for name, value in (("start", start), ("stop", stop)):
             if isinstance(value, bool) or not isinstance(value, Real) or not 0 < value < float("inf"):
                 raise InputError(f"{name} = {shown(value)}: must be a number > 0")
-        return Campbell.of(self, self.natural_frequencies(), lambda_of(self, start, in_unit), lambda_of(self, stop, in_unit))
+        return Campbell.of(self, self.modes(), lambda_of(self, start, in_unit), lambda_of(self, stop, in_unit))
 
     def plot(self, ax: Axes | None = None, *, speed: float | None = None) -> Axes:
         """Draw the train: bodies as discs, larger with their base radii and dashed without a gear; shafts as lines, meshes dotted.

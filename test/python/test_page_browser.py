@@ -6,6 +6,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+from conftest import ROOT
 
 import geartrain as gt
 from geartrain._motion_check import VALUES
@@ -34,6 +35,10 @@ def browser(tmp_path_factory):
     driver = selenium.Chrome(options=options, service=selenium.ChromeService(programs[1]))
     yield driver
     driver.quit()
+
+
+#: Chooses the quantity that the curves show.
+CHOOSE = "((s) => { s.value = arguments[0]; s.onchange(); })(document.querySelector('#view-response select'))"
 
 
 class Shown:
@@ -102,7 +107,7 @@ def opened(browser, page_path):
 @pytest.fixture
 def shown(opened):
     """The page as it begins; loading it anew for every test costs a second each."""
-    opened.js("(() => { Object.assign(state, { unit: null, quantity: 'rms', part: 'all', mesh: 0 }); state.off.clear();"
+    opened.js("(() => { Object.assign(state, { unit: null, quantity: null, part: 'all', mesh: 0 }); state.off.clear();"
               "showFiles(data.files); openTab('response'); })()")
     opened.settle()
     yield opened
@@ -186,10 +191,47 @@ def test_switches_and_quantities(shown, page_results):
     assert shown.js(jumps) == 0
     dashes = "byId('curve').data.filter((t) => t.meta.kind === 'response').map((t) => `${t.meta.stable} ${t.line.dash}`)"
     assert {*shown.js(dashes)} == {"false 5px,3px", "true solid"}
-    for quantity in ("mesh_force_maximum", "shaft_torque_maximum", "dynamic_factor"):
-        shown.js("((s) => { s.value = arguments[0]; s.onchange(); })(document.querySelector('#view-response select'))", quantity)
+    for quantity, title in (("mesh_force_maximum", "largest mesh force  [N]"), ("shaft_torque_maximum", "[N m]"),
+                            ("dynamic_factor", "dynamic factor<br>largest over mean mesh force")):
+        shown.js(CHOOSE, quantity)
         shown.settle()
-        assert quantity.split("_")[0] in shown.js("byId('curve').layout.yaxis.title.text").replace("largest mesh force", "mesh")
+        assert shown.js("byId('curve').layout.yaxis.title.text") == title
+
+
+def test_the_scale_is_that_of_the_stable_motions(shown, page_results):
+    """In rms and in force: the stable motions of period 1 fill the picture; what is larger is told below it."""
+    response, sweep = page_results.response, page_results.integration
+    for name in ("rms", "mesh_force_maximum"):
+        shown.js(CHOOSE, name)
+        shown.settle()
+        settled = np.concatenate([getattr(response, name)[response.stable], *(
+            [getattr(motion, name)] for found in (sweep, page_results.attractors) for motion in found
+            if motion.period == 1 and motion.stable is not False)])
+        low, high = shown.js("byId('curve')._fullLayout.yaxis.range")
+        assert low == 0 and settled.max() < high < 1.2 * settled.max()
+        larger = max(getattr(branch, name)[branch.stable].max() for branch in page_results.branches if branch.stable.any())
+        assert ("Beyond the scale" in shown.find("#beyond").text) == (larger > high or getattr(response, name).max() > high)
+
+
+def test_unequal_shafts_have_panels(shown, page_results):
+    shown.js(CHOOSE, "shaft_torque_maximum")
+    shown.settle()
+    torque = page_results.response.arrays()["shaft_torque_maximum"]
+    swings = np.ptp(torque[page_results.response.stable], axis=0)
+    assert swings.min() < 0.01 * swings.max()
+    axes = shown.js("byId('curve').data.filter((t) => t.meta.kind === 'response').map((t) => [t.meta.column, t.yaxis])")
+    assert {tuple(pair) for pair in axes} == {(0, "y3"), (1, "y4"), (2, "y")}
+    for column, axis in ((0, "yaxis3"), (1, "yaxis4"), (2, "yaxis")):
+        low, high = shown.js(f"byId('curve')._fullLayout.{axis}.range")
+        own = torque[page_results.response.stable, column]
+        assert low < own.min() and own.max() < high
+    names = shown.js("byId('curve').layout.annotations.map((a) => a.text)")
+    assert [*page_results.response.train.shaft_labels] == [name for name in names if name]
+    # Plotly's own lines keep inside the element, which has grown.
+    shown.js(CHOOSE, "rms")
+    shown.settle()
+    assert {axis for _, axis in shown.js(
+        "byId('curve').data.filter((t) => t.meta.kind === 'response').map((t) => [t.meta.column, t.yaxis])")} == {"y"}
 
 
 def test_units(shown, page_results):
@@ -231,6 +273,46 @@ def test_map_tells_a_cell(shown, page_results):
     # The curve of the period doubling lies over the map, in its units.
     line = shown.js("byId('chart').data.filter((trace) => trace.type === 'scatter').map((trace) => [trace.x, trace.y])[0]")
     np.testing.assert_allclose(line, [page_results.locus.frequency, page_results.locus.parameter])
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+@pytest.mark.parametrize("width", [1280, 390])
+def test_a_train_with_a_drawing_opens_on_its_mesh_force_over_rpm(browser, drawn, tmp_path, width):
+    """Ticks are plain numbers; the page is no wider than the screen."""
+    branch = drawn.response(start=1640, stop=1700, unit="rpm", harmonics=0, tolerance=1e-3)
+    branch.page(tmp_path / "drawn.html")
+    page = Shown(browser, tmp_path / "drawn.html", width=width)
+    assert page.js("[state.quantity, state.unit]") == ["mesh_force_maximum", "rpm"]
+    assert page.js("byId('curve').layout.yaxis.title.text") == "largest mesh force  [N]"
+    assert page.js("byId('curve').layout.xaxis.title.text") == "speed of motor  [rpm]"
+    first = page.js("Array.from(byId('curve').data[0].y).filter((y) => y !== null)")
+    stable = branch.mesh_force_maximum[branch.stable, 0]
+    assert min(first) == pytest.approx(stable.min(), rel=1e-3) and max(first) == pytest.approx(stable.max(), rel=1e-2)
+    ticks = page.js("[...document.querySelectorAll('#curve .xtick text, #curve .ytick text')].map((text) => text.textContent)")
+    assert len(ticks) > 5 and all(tick.replace("\u202f", "").isdigit() for tick in ticks), ticks
+    top = page.js("byId('curve')._fullLayout.yaxis.range")[1]
+    assert branch.mesh_force_maximum[branch.stable].max() < top
+    facts = page.find("#facts").text
+    assert "largest mesh force, N" in facts and "true rms" in facts and "rms of the paper" not in facts
+    assert page.js("document.documentElement.scrollWidth") <= width
+    assert page.complaints() == [""]
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_a_motion_of_a_window(browser, tmp_path):
+    """Time and orders are those of the window that its coefficients stand for: the engine's order 2 is the largest line."""
+    case = gt.read_case(ROOT / "namelists" / "rattle.nml")
+    results = case.run()
+    (motion,) = results.integration
+    assert motion.window and not motion.period
+    results.page(tmp_path / "window.html")
+    page = Shown(browser, tmp_path / "window.html")
+    x, y = (np.array(page.js(f"Array.from(byId('spectrum').data[1].{axis})"), float) for axis in "xy")
+    assert x[np.nanargmax(y)] == pytest.approx(2.0, abs=0.1)
+    assert np.nanmax(y) == pytest.approx(motion.spectrum()[1][:, 1].max(), rel=1e-3)
+    # The loose wheels carry a hundredth of the load.
+    assert {*page.js("byId('curve').data.map((t) => t.yaxis)")} == {"y", "y3", "y4"}
+    assert page.complaints() == [""]
 
 
 def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path, monkeypatch):

@@ -2,6 +2,7 @@
 
 import pickle
 from dataclasses import replace
+from itertools import combinations
 
 import matplotlib as mpl
 import numpy as np
@@ -25,7 +26,8 @@ pytestmark = pytest.mark.usefixtures("closed_figures")
 ])
 def test_a_response_in_its_units(branch, unit, label, factor):
     ax = branch.plot(mesh=2, unit=unit)
-    assert ax.get_xlabel() == label and ax.get_ylabel() == r"mesh displacement  rms $/\, b_c$"
+    assert ax.get_xlabel() == label
+    assert ax.get_ylabel() == "mesh displacement, rms of the paper\n(true rms times \u221a2)  $/\\, b_c$"
     drawn = {(x, y) for line in ax.lines for x, y in zip(*line.get_data(), strict=True)}
     # With places between the points, see test_fewer_points.py.
     assert drawn > set(zip(factor * branch.frequency, branch.rms[:, 1], strict=True))
@@ -37,7 +39,10 @@ def test_any_quantity_of_a_response(branch):
     drawn = np.concatenate([line.get_ydata() for line in ax.lines])
     assert set(drawn) > set(branch.mesh_force_maximum.ravel())
     assert drawn.max() == branch.mesh_force_maximum.max()
-    assert branch.plot(quantity="dynamic_factor", mesh=1).get_ylabel() == "dynamic factor"
+    assert branch.plot(quantity="dynamic_factor", mesh=1).get_ylabel() == "dynamic factor, largest over mean mesh force"
+    assert branch.plot(quantity="true_ac_rms").get_ylabel() == r"mesh displacement, true rms  $/\, b_c$"
+    swing = np.concatenate([line.get_ydata() for line in branch.plot(quantity="peak_to_peak").lines])
+    assert set(swing) > set((branch.maximum - branch.minimum).ravel())
     with pytest.raises(gt.InputError, match=r"quantity = 'colour': must be .*'rms'.*'mesh_force'"):
         branch.plot(quantity="colour")
     with pytest.raises(gt.InputError, match="quantity = 'rms': is of each mesh"):
@@ -55,7 +60,64 @@ def test_jumps_and_ranges_of_a_response(branch):
     np.testing.assert_allclose(sorted(strips), sorted(map(tuple, ranges)))
     assert len(plain.patches) == 0 and ax.get_xlim() == pytest.approx(plain.get_xlim())
     legend = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert legend == ["mesh 2", "unstable", "jump", "leaves the branch", "teeth separate", "back flanks collide"]
+    assert legend == ["mesh 2", "unstable", "jump", "switches to another vibration", "teeth separate", "back flanks collide"]
+
+
+def test_jumps_of_any_quantity(branch):
+    """The force before a jump is that of the fold, the force after it lies on a curve at the same speed."""
+    ax = branch.plot(mesh=2, quantity="mesh_force", jumps=True)
+    arrows = [(text.xyann[0], text.xyann[1], text.xy[1]) for text in ax.texts if text.arrow_patch is not None]
+    lands = [jump for jump in branch.jumps if np.isfinite(jump.after).all()]
+    assert len(arrows) == len(lands) > 2
+    for (at, before, after), jump in zip(arrows, lands, strict=True):
+        known = max(branch.at(jump.frequency), key=lambda motion: -abs(motion.rms - jump.after).max())
+        assert at == jump.frequency and after == pytest.approx(known.mesh_force_maximum[1], rel=5e-3)
+        fold = min(branch.special_points, key=lambda special: abs(special.frequency - jump.frequency))
+        assert before == pytest.approx(branch.mesh_force_maximum[fold.point, 1], rel=0.05)
+
+
+def test_the_scale_is_that_of_the_stable_motions(branch, train):
+    """All stable motions that repeat after one period are inside; what is stable and larger is told."""
+    for quantity, values in (("rms", branch.rms), ("mesh_force", branch.mesh_force_maximum)):
+        bottom, top = branch.plot(quantity=quantity).get_ylim()
+        assert bottom == 0 and values[branch.stable].max() < top < 1.2 * values[branch.stable].max()
+    part = branch.stable & (branch.frequency > 1.0)
+    cut = replace(branch, stable=part)
+    top = cut.plot(quantity="mesh_force").get_ylim()[1]
+    assert top < 1.2 * branch.mesh_force_maximum[part].max() < branch.mesh_force_maximum.max()
+    doubled = train.response(start=1.5, stop=2.3, period_doublings=1)
+    larger = [other.mesh_force_maximum[other.stable].max() for other in doubled.branches if other.subharmonic == 2]
+    ax = doubled.plot(quantity="mesh_force")
+    if max(larger) > ax.get_ylim()[1]:
+        assert any("repeats after 2 periods" in text.get_text() for text in ax.texts)
+
+
+def test_unequal_shafts_have_panels(branch):
+    """Shafts 1 and 3 of figure 3 hold their mean torque, shaft 2 swings by 2900 N m."""
+    ax = branch.plot(quantity="shaft_torque")
+    panels = ax.figure.axes
+    assert len(panels) == 3 and ax is panels[0]
+    assert [panel.texts[0].get_text() for panel in panels] == list(branch.train.shaft_labels)
+    assert {panel.get_xlim() for panel in panels} == {ax.get_xlim()} and panels[-1].get_xlabel()
+    for panel, mean in zip(panels, (150.0, 300.0, 600.0), strict=True):
+        low, high = panel.get_ylim()
+        assert low < mean < high and high - low > 0.05 * mean
+    ax.figure.canvas.draw()
+    assert all(panel.yaxis.get_offset_text().get_text() == "" for panel in panels)
+    given = plt.figure().subplots()
+    assert branch.plot(quantity="shaft_torque", ax=given) is given and len(given.figure.axes) == 1
+    assert len(branch.plot(quantity="mesh_force").figure.axes) == 1
+
+
+def test_a_train_with_a_drawing_opens_on_its_mesh_force(drawn):
+    branch = drawn.response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
+    ax = branch.plot()
+    assert ax.get_ylabel() == "largest mesh force  [N]" and ax.get_xlabel() == "speed of motor  [rpm]"
+    assert max(line.get_ydata().max() for line in ax.lines) == pytest.approx(branch.mesh_force_maximum.max(), rel=1e-6)
+    ax.figure.canvas.draw()
+    for axis in (ax.xaxis, ax.yaxis):
+        assert axis.get_offset_text().get_text() == ""
+        assert all(text.get_text().lstrip("\u2212").replace(".", "").isdigit() for text in axis.get_ticklabels())
 
 
 def test_a_response_that_ended_early_says_so(branch):
@@ -118,12 +180,13 @@ def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
 
 def test_a_sweep_in_rpm(drawn):
     sweep = drawn.sweep(start=1500.0, stop=1520.0, points=2, direction="both")
-    ax = sweep.plot(mesh=1)
-    assert ax.get_xlabel() == "speed of motor  [rpm]" and ax.get_ylabel() == r"mesh displacement  rms [$\mu$m]"
+    assert sweep.plot().get_ylabel() == "largest mesh force  [N]"
+    ax = sweep.plot(mesh=1, quantity="true_ac_rms")
+    assert ax.get_xlabel() == "speed of motor  [rpm]" and ax.get_ylabel() == r"mesh displacement, true rms  [$\mu$m]"
     up, down, *_ = ax.lines
     np.testing.assert_allclose(up.get_xdata(), [1500.0, 1520.0])
-    np.testing.assert_array_equal(up.get_ydata(), sweep.rms[:2, 0])
-    np.testing.assert_array_equal(down.get_ydata(), sweep.rms[2:, 0])
+    np.testing.assert_allclose(up.get_ydata(), sweep.rms[:2, 0] / np.sqrt(2), rtol=1e-15)
+    np.testing.assert_allclose(down.get_ydata(), sweep.rms[2:, 0] / np.sqrt(2), rtol=1e-15)
     with pytest.raises(gt.InputError, match="quantity = 'shaft_torques': must be"):
         sweep.plot(quantity="shaft_torques")
 
@@ -232,6 +295,7 @@ def test_a_motion_of_the_reducer_in_ms_and_orders(drawn):
     axes = motion.plot(mesh=2)
     assert [ax.get_ylabel() for ax in axes] == [r"displacement [$\mu$m]", "mesh force  [N]", r"amplitude [$\mu$m]"]
     assert axes[1].get_xlabel() == "time  [ms]" and axes[2].get_xlabel() == "order, per revolution of motor"
+    assert axes[0].get_legend().get_title().get_text() == "1500 rpm of motor"
     time, displacement = axes[0].lines[0].get_data()
     # Four tooth periods of mesh 2, the slowest excitation; a whole period is a revolution of the middle shaft.
     np.testing.assert_array_equal(displacement, motion.displacement[:len(displacement), 1])
@@ -256,6 +320,25 @@ def test_a_motion_of_the_reducer_in_ms_and_orders(drawn):
     assert np.hypot(*np.diff(points, axis=0).T).max() < 0.006
     (point,) = motion.poincare_section(2).lines
     assert len(point.get_xdata()) == 1
+
+
+def test_a_waterfall_has_absolute_levels(drawn):
+    """Colours in dB over 1 N with amplitudes beside them; names of orders that do not overlap."""
+    run_up = drawn.run_up(start=1400, stop=2000, unit="rpm", duration=0.5)
+    ax = run_up.waterfall()
+    (image,) = ax.collections
+    largest = 20 * np.log10(run_up.spectra()[2].max())
+    assert image.get_array().max() == pytest.approx(largest, abs=0.1)
+    assert largest <= image.get_clim()[1] <= largest + 1
+    bar = image.colorbar.ax
+    assert bar.get_ylabel() == "dB re 1 N"
+    (amplitude,) = bar.child_axes
+    assert amplitude.get_ylabel() == "amplitude  [N]"
+    ax.figure.canvas.draw()
+    np.testing.assert_allclose(amplitude.get_ylim(), 10 ** (np.array(bar.get_ylim()) / 20))
+    boxes = [text.get_window_extent() for text in ax.texts]
+    assert len(boxes) >= 3 and not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    assert run_up.waterfall("shaft_torque", 2).collections[0].colorbar.ax.get_ylabel() == "dB re 1 N m"
 
 
 # ---------------------------------------------------------------------------------------------- the style

@@ -1,5 +1,7 @@
 """Pictures of trains: Campbell diagrams, modes, the train itself."""
 
+from itertools import combinations
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -43,8 +45,35 @@ def test_a_campbell_diagram_of_the_reducer(drawn):
     assert "Lambda" not in str(diagram)  # it is the speed
     ax = diagram.plot()
     assert ax.get_xlabel() == "speed of motor  [rpm]" and ax.get_ylabel() == "frequency  [Hz]" and ax.get_xlim() == (200.0, 4000.0)
-    (marks,) = (line for line in ax.lines if line.get_marker() == "o")
-    np.testing.assert_allclose(marks.get_data(), [expected, [crossing.natural_frequency for crossing in diagram.crossings]])
+    marks = [line for line in ax.lines if line.get_marker() == "o" and len(line.get_xdata())]
+    for line, matters in zip(marks, (True, False), strict=True):
+        some = [crossing for crossing in diagram.crossings if crossing.matters is matters]
+        np.testing.assert_allclose(line.get_data(), [[each.speed for each in some], [each.natural_frequency for each in some]])
+    assert marks[0].get_markersize() > marks[1].get_markersize()
+
+
+def test_crossings_are_ranked_by_the_mesh_force(drawn):
+    """The reducer resonates where its response of docs/case-studies.md does; the others are less than a tenth of the mean force."""
+    diagram = drawn.campbell(start=200.0, stop=4000.0)
+    ranked = sorted(diagram.crossings, key=lambda crossing: crossing.rank)
+    assert [crossing.rank for crossing in ranked] == list(range(1, len(ranked) + 1))
+    assert [crossing.over_mean for crossing in ranked] == sorted((each.over_mean for each in ranked), reverse=True)
+    assert {round(crossing.speed) for crossing in ranked if crossing.matters} == {253, 829, 947, 1688, 3097}
+
+
+def test_the_force_of_a_crossing_is_that_of_the_linear_response():
+    """A train without gaps and with little excitation at a natural frequency, 3 %: the other modes answer as well."""
+    meshes = [gt.Mesh(**{name: getattr(mesh, name) for name in mesh.variables} | {
+        "backlash": None, "half_backlash": 0.0, "stiffness_harmonics": None, "stiffness_cos": [1e-3], "error_cos": error})
+        for mesh, error in zip(reducer().meshes, ([1e-8], None), strict=True)]
+    train = reducer(meshes=meshes)
+    crossings = [crossing for crossing in train.campbell(start=1000.0, stop=4000.0).crossings if crossing.mode in {2, 3}]
+    assert len(crossings) >= 2
+    for crossing in crossings:
+        motion = train.integrate(crossing.speed)
+        amplitude = np.ptp(motion.mesh_force, axis=0) / 2
+        mesh = int(np.argmax(crossing.mesh_force))
+        assert amplitude[mesh] == pytest.approx(crossing.mesh_force[mesh], rel=0.03), crossing
 
 
 def test_only_orders_with_an_amplitude_excite(drawn):
@@ -70,7 +99,14 @@ def test_the_picture_of_a_campbell_diagram(drawn):
     diagram = drawn.campbell(start=200.0, stop=4000.0)
     ax = diagram.plot()
     assert ax.get_legend().get_title().get_text() == "orders per revolution of motor"
-    names = [(text.get_text(), text.xy) for text in ax.texts if not text.get_text().startswith("mode")]
+    modes = [text.get_text() for text in ax.texts if text.get_text().startswith("mode")]
+    assert modes[0] == "mode 1: 97.16 Hz, 0.48 %"
+    speeds = [text for text in ax.texts if text.get_fontweight() == "bold"]
+    assert [text.get_text() for text in speeds] == ["3097", "1688", "828.7", "947.2", "253.5"]
+    ax.figure.canvas.draw()
+    boxes = [text.get_window_extent() for text in ax.texts]
+    assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    names = [(text.get_text(), text.xy) for text in ax.texts if text not in speeds and text.get_text() not in modes]
     assert [name for name, _ in names] == [f"{order.per_revolution:.4g}" for order in diagram.orders]
     for (name, (speed, hertz)), order in zip(names, diagram.orders, strict=True):
         assert hertz == pytest.approx(order.per_revolution * speed / 60), name
@@ -112,7 +148,7 @@ def test_rotations_of_modes_are_those_of_the_whole_train(make):
 def test_a_mode_on_the_train(split):
     modes = split.modes()
     ax = modes.plot(2)
-    assert ax.get_title().startswith(f"mode 2:  {modes.natural_frequency_hertz[1]:.5g} Hz")
+    assert ax.get_title() == "mode 2:  350.1 Hz,  3.8 % of critical damping" and "damping [%]" in str(modes)
     discs = [patch for patch in ax.patches if isinstance(patch, Circle)]
     colours = mpl.colormaps["coolwarm"]((1 + modes.rotation[1]) / 2)
     np.testing.assert_allclose([disc.get_facecolor() for disc in discs], colours)

@@ -273,7 +273,11 @@ def test_hertz(train, ramp):
 @pytest.mark.parametrize("unit", ["Lambda", "Hz"])
 def test_plots(ramp, what, unit):
     ax = ramp.plot(what, unit=unit)
-    assert unit in ax.get_xlabel() and len(ax.get_legend().get_texts()) == ramp.displacement.shape[1] + (what == "shaft_torque")
+    # The shafts at the ends hold their mean torque, and have panels of their own.
+    panels = ax.figure.axes
+    assert len(panels) == (3 if what == "shaft_torque" else 1) and unit in panels[-1].get_xlabel()
+    if what != "shaft_torque":
+        assert len(ax.get_legend().get_texts()) == ramp.displacement.shape[1]
     mpl.pyplot.close(ax.figure)
     ax = ramp.waterfall(what, 2, unit=unit, orders=[1, 2])
     assert unit in ax.get_xlabel() and "Hz" in ax.get_ylabel() and len(ax.lines) == 2
@@ -285,10 +289,10 @@ def test_a_range_is_that_of_the_slowest_excitation():
     """Order 2 of an engine, whose period has 6 windows: tooth periods of the mesh with order 11."""
     engine = gt.read_case(CASES / "rattle.nml").train
     ramp = engine.run_up(start=850.0, stop=1000.0, duration=2.5, unit="rpm")
-    ax = ramp.plot()
+    panels = ramp.plot().figure.axes  # the loose wheels carry a hundredth of the load
     speed = np.interp(ramp.window_time, ramp.time, ramp.speed)
     for column in range(3):
-        outline = ax.collections[column].get_paths()[0].vertices
+        outline = panels[column].collections[0].get_paths()[0].vertices
         for place, at in enumerate(speed):
             near = slice(max(0, place - 2), place + 4)
             drawn = outline[np.isclose(outline[:, 0], at, rtol=1e-12), 1]

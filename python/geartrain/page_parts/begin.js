@@ -12,6 +12,7 @@ function showFiles(list) {
     ),
   );
   state.chosen = null;
+  if (main) state.quantity ??= main.first;
   if (main && !files.every((file) => file.perLambda[state.unit])) {
     state.unit = files.every((file) => file.perLambda[main.unit]) ? main.unit : "Lambda";
   }

@@ -26,7 +26,7 @@ function selectionShapes() {
     shapes.push({
       type: "circle",
       xref: "x",
-      yref: "y",
+      yref: column === undefined ? "y" : axisOf(column),
       xsizemode: "pixel",
       ysizemode: "pixel",
       xanchor: x,
@@ -170,8 +170,8 @@ function drawFacts() {
   const fact = (name) => series.facts[name]?.[point];
   const lambda = series.lambda[point],
     speeds = [];
-  if (file.perLambda.rpm) speeds.push(`${show(lambda * file.perLambda.rpm)} rpm of ${file.speedOf}`);
-  if (file.perLambda.Hz) speeds.push(`${show(lambda * file.perLambda.Hz)} Hz`);
+  if (file.perLambda.rpm) speeds.push(`${show(lambda * file.perLambda.rpm, 5)} rpm of ${file.speedOf}`);
+  if (file.perLambda.Hz) speeds.push(`${show(lambda * file.perLambda.Hz, 5)} Hz`);
   if (file.over) facts.push([file.over.replace(/_/g, " "), show(series.across[point], 7) + acrossSuffix()]);
   if (!(file.perLambda.rpm && Math.abs(file.perLambda.rpm - 1) < 1e-9)) speeds.unshift(`Λ = ${show(lambda, 7)}`);
   facts.push([
@@ -181,7 +181,9 @@ function drawFacts() {
   ]);
   facts.push(["speed", speeds.join(", ")]);
   facts.push(["verdict", verdict(series, point)]);
-  facts.push(["period", series.period[point] ? `${series.period[point]} of the fundamental` : "none found"]);
+  const repeats = series.period[point] === 1 ? "one period" : `${series.period[point]} periods`,
+    span = series.window?.[point] > 0 ? `not found; the figures are those of ${duration(file, lambda, series.window[point])}` : "not found";
+  facts.push(["repeats", series.period[point] ? `after ${repeats} of the fundamental` : span]);
   if (Number.isFinite(fact("error_estimate"))) {
     facts.push([
       "error",
@@ -200,16 +202,22 @@ function drawFacts() {
   if (fact("floating")) facts.push(["floating", "no mean torque holds a mesh in its gap: its mean position is not unique"]);
   const list = make("dl", {}, ...facts.flatMap(([name, words]) => [make("dt", {}, name), make("dd", {}, words)]));
   const names = [
-    "rms",
+    "mesh_force_maximum",
+    "dynamic_factor",
     "mean",
     "minimum",
     "maximum",
-    "mesh_force_maximum",
-    "dynamic_factor",
+    "peak_to_peak",
+    file.drawn ? "true_ac_rms" : "rms",
     "separation_fraction",
     "back_contact_fraction",
   ].filter((name) => series.values[name]);
-  const unit = (name) => (LENGTHS.has(name) ? lengthText(file) : { N: " N" }[data.quantities[name].unit] || "");
+  // The unit stands once in the heading, so that three columns have room on a telephone.
+  const heading = (name) => {
+    const unit = LENGTHS.has(name) ? lengthText(file) : { N: " N" }[data.quantities[name].unit] || "";
+    const words = { rms: "rms of the paper", dynamic_factor: "dynamic factor" }[name] || quantityWords(name);
+    return words.replace("mesh displacement, ", "displacement, ") + (unit && `,${unit}`);
+  };
   const head = make(
     "tr",
     {},
@@ -220,10 +228,10 @@ function drawFacts() {
     make(
       "tr",
       {},
-      make("th", { scope: "row" }, name.replace(/_/g, " ").replace("mesh force maximum", "largest force")),
+      make("th", { scope: "row" }, heading(name)),
       ...file.meshes.map((_, mesh) => {
         const value = valueAt(series, name, point, mesh);
-        return make("td", {}, Number.isFinite(value) ? show(value, 5) + unit(name) : "");
+        return make("td", {}, Number.isFinite(value) ? show(value, 4) : "");
       }),
     ),
   );
@@ -238,13 +246,19 @@ function drawFacts() {
   );
 }
 
+/** A number of periods of the fundamental, in seconds where they are known. */
+function duration(file, lambda, periods) {
+  const seconds = file.perLambda.Hz ? periods / (file.perLambda.Hz * lambda) : 0;
+  return seconds ? (seconds < 1 ? `${show(1e3 * seconds, 3)} ms` : `${show(seconds, 3)} s`) : `${show(periods, 3)} periods`;
+}
+
 /** The torques of the shafts of the chosen motion, a row for each shaft. */
 function torqueTable(series, point, names, shafts) {
   const heading = (name) => name.replace("shaft_torque_", "").replace("minimum", "smallest").replace("maximum", "largest");
   const head = make(
     "tr",
     {},
-    ...["shaft torque", ...names.map(heading)].map((words) => make("th", { scope: "col" }, words)),
+    ...["shaft torque, N m", ...names.map(heading)].map((words) => make("th", { scope: "col" }, words)),
   );
   const rows = shafts.map((label, shaft) =>
     make(
@@ -253,7 +267,7 @@ function torqueTable(series, point, names, shafts) {
       make("th", { scope: "row" }, label),
       ...names.map((name) => {
         const value = valueAt(series, name, point, shaft);
-        return make("td", {}, Number.isFinite(value) ? `${show(value, 5)} N m` : "");
+        return make("td", {}, Number.isFinite(value) ? show(value, 4) : "");
       }),
     ),
   );

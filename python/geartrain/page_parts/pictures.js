@@ -1,5 +1,8 @@
 // The pictures of the chosen motion, computed from its Fourier coefficients.
 
+/** Periods of the fundamental that the coefficients of a motion stand for: its period, or its window, or 16. */
+const lengthOf = (series, point) => series.period[point] || series.window?.[point] || 16;
+
 /**
  * Displacement, velocity (by the phase of the fundamental) and force over phases of the fundamental, of each mesh; `row` is that of
  * the coefficients, which a large page has of every so many points only.
@@ -9,7 +12,7 @@ function waveform(series, row, phases) {
     all = series.coefficients,
     [, meshes, width] = all.shape,
     point = row * series.every,
-    period = series.period[point] || 16;
+    period = lengthOf(series, point);
   const base = row * meshes * width,
     orders = series.orders,
     found = [];
@@ -56,7 +59,7 @@ const MOST = 12000;
 const STILL = { displayModeBar: false, responsive: true };
 const smallLayout = (x, y, more = {}) => ({
   ...baseLayout(x, y),
-  margin: { l: 58, r: 8, t: 8, b: 40 },
+  margin: { l: 58, r: 8, t: 8, b: 46 },
   hovermode: "closest",
   ...more,
 });
@@ -70,7 +73,7 @@ function pictured() {
   const point = row * series.every,
     lambda = series.lambda[point];
   const there = all && Number.isFinite(all[row * all.shape[1] * all.shape[2]]);
-  const period = series.period[point] || 16,
+  const period = lengthOf(series, point),
     columns = range(file.meshes.length);
   const shownMeshes = data.quantities[state.quantity].along === "mesh" ? columnsShown(file) : columns;
   const highest = Math.max(1, ...series.orders) / period;
@@ -112,7 +115,7 @@ function drawHistories(picture) {
     smallLayout(time, `displacement ${lengthUnit(picture.file)}`, {
       showlegend: several,
       legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom" },
-      margin: { l: 58, r: 8, t: several ? 30 : 8, b: 40 },
+      margin: { l: 58, r: 8, t: several ? 30 : 8, b: 46 },
     }),
     STILL,
   );
@@ -127,7 +130,7 @@ function drawForces(picture) {
     !picture.there && "The motion has no waveform in the file.",
     picture.there &&
       !picture.series.period[picture.point] &&
-      "No period was found: shown are 16 periods by their Fourier coefficients.",
+      `No period was found: shown are ${duration(picture.file, picture.lambda, picture.turns)} by their Fourier coefficients.`,
     picture.point !== state.chosen.point &&
       `The pictures are those of point ${picture.point + 1}, the nearest that this page has them of.`,
   ].filter(Boolean);
@@ -190,7 +193,7 @@ function drawSpectrum({ series, row, file, lambda, meshes, there, period, all })
   }
   const title = {
     Lambda: "order, multiples of Λ",
-    rpm: `order, per revolution of ${safe(file.speedOf)}`,
+    rpm: `orders of ${safe(file.speedOf)}`,
     Hz: "frequency  [Hz]",
   }[state.unit];
   const made = smallLayout(title, `amplitude ${lengthUnit(file)}`);

@@ -1,10 +1,16 @@
 // The view of response curves.
 
 function responseView(panel) {
-  const names = Object.keys(data.quantities).filter((name) => main.series.some((series) => series.values[name]));
+  const has = (name) => main.series.some((series) => series.values[name]);
+  // What it opens with comes first; of a train with a drawing the rms of the paper, which no standard knows, comes last.
+  const rank = (name) => (name === main.first ? -1 : name === "rms" ? 1 : 0);
+  const names = Object.keys(data.quantities)
+    .filter(has)
+    .sort((one, other) => rank(one) - rank(other));
+  if (!has(state.quantity)) state.quantity = names[0];
   const [quantityLabel] = choice(
     "quantity",
-    names.map((name) => [name, name.replace(/_/g, " ")]),
+    names.map((name) => [name, quantityWords(name)]),
     state.quantity,
     (name) => {
       const along = data.quantities[state.quantity].along;
@@ -63,6 +69,7 @@ function responseView(panel) {
     { class: "curves" },
     key,
     plot,
+    make("p", { class: "note", id: "beyond", hidden: true }),
     make(
       "p",
       { class: "note", id: "keys" },
@@ -96,17 +103,26 @@ function responseView(panel) {
   return draw;
 }
 
-/** The point and the mesh of the largest rms of a stable motion, with which the page begins. */
+/** The point and the column of the largest value of a stable motion that repeats after one period, with which the page begins. */
 function largest(series) {
-  const rms = series.values.rms,
-    width = rms.shape[1];
+  const values = series.values[state.quantity] || series.values.rms,
+    width = values.shape[1];
   let best = -1;
-  for (let i = 0; i < rms.length; i++) {
-    const verdict = !series.stable || series.stable[Math.floor(i / width)] === 1;
-    if (verdict && Number.isFinite(rms[i]) && (best < 0 || rms[i] > rms[best])) best = i;
+  for (const settled of [true, false]) {
+    for (let i = 0; i < values.length; i++) {
+      const counts = !settled || isSettled(series, Math.floor(i / width));
+      if (counts && Number.isFinite(values[i]) && (best < 0 || values[i] > values[best])) best = i;
+    }
+    if (best >= 0) break;
   }
   best = Math.max(best, 0);
   return [Math.floor(best / width), best % width];
+}
+
+/** Whether a motion is stable and repeats after one period of the fundamental, or has settled without one. */
+function isSettled(series, point) {
+  if (!isBranch(series) && series.kinds[point] === "stationary") return true;
+  return series.period[point] === 1 && (!series.stable || series.stable[point] !== 0);
 }
 
 /** Pieces of one stability, each up to the first point of the next piece of the same segment. */
@@ -205,6 +221,7 @@ function curveTraces() {
               x,
               y,
               customdata: own,
+              yaxis: axisOf(column),
               meta: { file: number, column, kind, stable },
               line: { color, dash: stable ? "solid" : UNSTABLE, width: (kind === "response" ? 2.2 : 1.3) + (pale ? 5 : 0) },
               opacity: pale ? 0.3 : 1,
@@ -224,6 +241,7 @@ function curveTraces() {
               x: Array.from(series.across, (l) => l * acrossFactor(file)),
               y: range(series.count).map((i) => values[i * width + column]),
               customdata: range(series.count).map((i) => code(series, i)),
+              yaxis: axisOf(column),
               meta: { file: number, column, kind, stable: true },
               opacity: pale ? 0.4 : 1,
               marker: {
@@ -246,30 +264,93 @@ function curveTraces() {
   return traces;
 }
 
-/** Marks of special points: at their own rms; of any other quantity at the value of the point before. */
+/** Marks of special points on the curves. */
 function specialTraces() {
   const marks = {};
   for (const series of main.series.filter((s) => isOn(s.kind) && s.values[state.quantity])) {
     for (const special of series.specials) {
-      const mark = (marks[special.kind] ??= { x: [], y: [], own: [] });
       for (const column of columnsShown(main)) {
-        const factor = state.quantity === "rms" ? 1 : state.quantity === "true_ac_rms" ? Math.SQRT1_2 : 0;
+        const name = `${special.kind} ${axisOf(column)}`,
+          mark = (marks[name] ??= { kind: special.kind, axis: axisOf(column), x: [], y: [], own: [] });
         mark.x.push(special.at * acrossFactor(main));
-        mark.y.push(factor ? factor * special.rms[column] : valueAt(series, state.quantity, special.point, column));
+        mark.y.push(special.values[state.quantity]?.[column] ?? valueAt(series, state.quantity, special.point, column));
         mark.own.push(code(series, special.point));
       }
     }
   }
-  return Object.entries(marks).map(([kind, mark]) => ({
+  return Object.values(marks).map(({ kind, axis, x, y, own }) => ({
     type: "scatter",
     mode: "markers",
-    x: mark.x,
-    y: mark.y,
-    customdata: mark.own,
+    x,
+    y,
+    yaxis: axis,
+    customdata: own,
     meta: { file: 0, column: null, kind: "specials" },
     marker: { symbol: SPECIALS[kind] || "star", size: 8, color: "#fff", line: { color: INK, width: 1.6 } },
-    hovertemplate: `${kind}<br>%{x:.6g}${acrossSuffix()}: %{y:.5g}<extra></extra>`,
+    hovertemplate: `${SPECIAL_WORDS[kind] || kind}<br>%{x:.6g}${acrossSuffix()}: %{y:.5g}<extra></extra>`,
   }));
+}
+
+/** The axis of a column: of unequal parts each has a panel of its own. */
+const axisOf = (column) => state.axes[column] || "y";
+
+/** Of a column smallest and largest value of the motions that the picture is scaled to; of all motions where none is such. */
+function spanOfColumn(column, every = false) {
+  const values = [];
+  for (const series of shown()) {
+    const all = series.values[state.quantity];
+    if (!all || column >= all.shape[1]) continue;
+    for (let i = 0; i < series.count; i++) if (every || isSettled(series, i)) values.push(all[i * all.shape[1] + column]);
+  }
+  return spanOf(values) || (every ? null : spanOfColumn(column, true));
+}
+
+/** The panels of the picture, with the range of each: scaled to the stable motions that repeat after one period. */
+function curvePanels(top) {
+  const columns = columnsShown(main),
+    { along, unit } = data.quantities[state.quantity],
+    spans = columns.map((column) => spanOfColumn(column)),
+    isShare = unit === "1" && !LENGTHS.has(state.quantity),
+    split = !isShare && areUnequal(spans, along === "shaft"),
+    groups = split ? columns.map((column) => [column]) : [columns],
+    fromZero = along === "mesh" && !POSITIONS.has(state.quantity);
+  const panels = panelsBelow(groups.length, top).map((panel, place) => {
+    const span = spanOf(groups[place].flatMap((column) => spans[columns.indexOf(column)] || []));
+    return { ...panel, columns: groups[place], range: span && rangeFor(span, fromZero) };
+  });
+  state.axes = [];
+  for (const { axis, columns: own } of panels) for (const column of own) state.axes[column] = axis;
+  return panels;
+}
+
+/** What lies beyond the scale, where it is not nothing. */
+function tellBeyond(panels) {
+  let stable = null,
+    unstable = false;
+  for (const { columns, range: ends } of panels) {
+    for (const series of ends ? shown() : []) {
+      const all = series.values[state.quantity];
+      for (const column of all ? columns.filter((own) => own < all.shape[1]) : []) {
+        for (let i = 0; i < series.count; i++) {
+          const value = all[i * all.shape[1] + column];
+          if (!(value > ends[1] || value < ends[0])) continue;
+          if (series.stable && series.stable[i] === 0) unstable = true;
+          else if (!stable || Math.abs(value) > Math.abs(stable.value)) stable = { value, series, point: i };
+        }
+      }
+    }
+  }
+  const told = [];
+  if (stable) {
+    const { value, series, point } = stable,
+      period = series.period[point],
+      at = show(series.across[point] * acrossFactor(files[series.file]), 4) + acrossSuffix();
+    const which = period > 1 ? `a motion that repeats after ${period} periods` : "a motion";
+    told.push(`Beyond the scale: ${which}, ${show(value, 4)} at ${state.unit === "Lambda" && !main.over ? "Λ = " : ""}${at}`);
+  }
+  if (unstable) told.push(stable ? "and unstable motions" : "Beyond the scale: unstable motions");
+  byId("beyond").textContent = told.length ? `${told.join(", ")}. A double click on the picture shows all.` : "";
+  byId("beyond").hidden = !told.length;
 }
 
 /** Strips above the curves, a row for each mesh: light where the teeth separate, dark where the back flanks collide. */
@@ -312,8 +393,9 @@ function drawCurves(plot, key) {
       : range(main.meshes.length).filter((mesh) =>
           main.series.some((s) => s.kind === "response" && s.ranges.some((row) => row[0] === mesh)),
         );
-  const traces = [...curveTraces(), ...rangeTraces(rows)];
   const top = 1 - Math.min(0.35, 0.035 * rows.length + (rows.length ? 0.02 : 0));
+  const panels = curvePanels(top);
+  const traces = [...curveTraces(), ...rangeTraces(rows)];
   const shapes = selectionShapes();
   const annotations = [];
   if (isOn("ranges") && isOn("response")) {
@@ -339,20 +421,21 @@ function drawCurves(plot, key) {
     for (const series of main.series.filter((s) => s.kind === "response" && isOn(s.kind))) {
       for (const jump of series.jumps) {
         const x = jump.at * acrossFactor(main),
-          factor = { rms: 1, true_ac_rms: Math.SQRT1_2 }[state.quantity];
+          before = jump.before[state.quantity],
+          after = jump.after[state.quantity];
         let drawn = 0;
-        for (const column of factor ? columnsShown(main) : []) {
-          if (jump.after[column] == null) continue;
+        for (const column of before && after ? columnsShown(main) : []) {
+          if (after[column] == null) continue;
           drawn++;
           annotations.push({
             x,
-            y: factor * jump.after[column],
+            y: after[column],
             ax: x,
-            ay: factor * jump.before[column],
+            ay: before[column],
             axref: "x",
-            ayref: "y",
+            ayref: axisOf(column),
             xref: "x",
-            yref: "y",
+            yref: axisOf(column),
             showarrow: true,
             arrowhead: 2,
             arrowsize: 1,
@@ -386,9 +469,9 @@ function drawCurves(plot, key) {
     uirevision: `${state.unit} ${state.quantity}`,
     hoverdistance: 30,
   };
-  layout.yaxis.domain = [0, top];
-  if (data.quantities[state.quantity].unit !== "1") layout.yaxis.exponentformat = "none";
-  layout.yaxis.title.standoff = 8;
+  if (main.over && Math.max(...main.series.flatMap((s) => spanOf(s.across) || [0]).map(Math.abs)) < 1e-3)
+    layout.xaxis.exponentformat = "power";
+  putPanels(plot, layout, panels, partsOf(main), quantityTitle(state.quantity));
   if (rows.length) {
     layout.yaxis2 = {
       domain: [top + 0.015, 1],
@@ -401,7 +484,8 @@ function drawCurves(plot, key) {
       tickfont: { size: 11 },
     };
   }
-  Plotly.react(plot, traces, layout, CONFIG);
+  drawPanels(plot, traces, layout);
+  tellBeyond(panels);
   if (!plot.hasClick) {
     plot.hasClick = true;
     plot.on("plotly_click", (event) => {
@@ -415,6 +499,28 @@ function drawCurves(plot, key) {
   drawKey(key, traces);
 }
 
+/** Gives a layout an axis for each panel; of several each has its name, and beside it the unit alone. */
+function putPanels(plot, layout, panels, names, title) {
+  const several = panels.length > 1,
+    words = several ? title.slice(title.lastIndexOf("  ")).trim() : title;
+  plot.style.height = several ? `${Math.max(520, 90 + 140 * panels.length)}px` : plot.dataset.height || "";
+  const { title: one, ...axis } = layout.yaxis;
+  panels.forEach((panel) => {
+    const own = { ...axis, domain: panel.domain, title: { ...one, text: words, standoff: 8 } };
+    if (several) own.nticks = 5;
+    if (panel.range) own.range = panel.range;
+    layout[layoutName(panel.axis)] = own;
+    if (several) (layout.annotations ??= []).push(panelName(names[panel.columns[0]], panel.axis));
+  });
+}
+
+/** Draws panels; plotly does not see by itself that their number has changed the height of the picture. */
+function drawPanels(plot, traces, layout) {
+  Plotly.react(plot, traces, layout, config());
+  if (plot.dataset.tall !== plot.style.height) Plotly.Plots.resize(plot);
+  plot.dataset.tall = plot.style.height;
+}
+
 function baseLayout(x, y) {
   const axis = (text) => ({
     title: { text, font: { size: 14 } },
@@ -426,9 +532,10 @@ function baseLayout(x, y) {
     ticklen: 4,
     tickcolor: "#5b636d",
     automargin: true,
-    exponentformat: "power",
+    exponentformat: "none",
   });
   return {
+    separators: ".\u202f",
     xaxis: axis(x),
     yaxis: axis(y),
     showlegend: false,
@@ -458,7 +565,7 @@ function drawKey(key, traces) {
   if (kinds.has("attractors"))
     items.push([mark("M14 1l2 4 4 .5-3 3 .8 4.3-3.8-2-3.8 2 .8-4.3-3-3 4-.5z", "#4a525c"), "attractors"]);
   if (isOn("jumps") && main.series.some((s) => s.kind === "response" && isOn(s.kind) && s.jumps.length)) {
-    items.push([mark("M14 12V4M11 6.5L14 3L17 6.5", "none"), "jump of the response (dotted: to another branch or period)"]);
+    items.push([mark("M14 12V4M11 6.5L14 3L17 6.5", "none"), "jump (dotted: it switches to another vibration)"]);
   }
   const circle = `<circle cx="14" cy="7" r="4" fill="#fff" stroke="${INK}" stroke-width="1.4"/>`;
   const signs = {
@@ -470,7 +577,7 @@ function drawKey(key, traces) {
   };
   for (const kind of kinds.has("specials") ? Object.keys(SPECIALS) : []) {
     if (main.series.some((s) => isOn(s.kind) && s.specials.some((special) => special.kind === kind)))
-      items.push([signs[kind], kind]);
+      items.push([signs[kind], SPECIAL_WORDS[kind]]);
   }
   if (kinds.has("ranges")) {
     const words = main.series.some((s) => s.ofStable) ? " (stable motions)" : "";
@@ -479,7 +586,7 @@ function drawKey(key, traces) {
       items.push([line("#4a525c", "", 8), `back flanks collide${words}`]);
   }
   if (isOn("ranges") && main.series.some((s) => s.kind === "response" && s.bands.length)) {
-    items.push(['<rect x="1" y="1" width="26" height="12" fill="#999" opacity=".3"/>', "no stable motion of this branch"]);
+    items.push(['<rect x="1" y="1" width="26" height="12" fill="#999" opacity=".3"/>', "no stable motion here that repeats after one period"]);
   }
   if (files.length > 1 && isOn("compare"))
     items.push([line("#4a525c", "", 7, 0.3), `compared: ${files[1].name || files[1].title}`]);

@@ -183,7 +183,7 @@ function studyView(panel) {
       bgcolor: "rgba(255,255,255,.8)",
     });
     layout.annotations = axes.flatMap((_, i) => [text(i, -0.06, ends[i][0]), text(i, 1.06, ends[i][1])]);
-    Plotly.react(parallel, traces, layout, { ...CONFIG, displayModeBar: false });
+    Plotly.react(parallel, traces, layout, { ...config(), displayModeBar: false });
     const known = range(study.count);
     const of = (place) =>
       known.map((point) => {
@@ -223,7 +223,7 @@ function studyView(panel) {
         hovermode: "closest",
         uirevision: `${chosen.x} ${chosen.y}`,
       },
-      CONFIG,
+      config(),
     );
     for (const plot of [parallel, scatter]) {
       if (plot.hasClick) continue;

@@ -16,8 +16,23 @@ const KINDS = {
 };
 const SPECIALS = { fold: "circle", "period doubling": "diamond", "neimark-sacker": "square", "branch point": "x",
   "stability change": "star" };
-const LENGTHS = new Set(["rms", "true_ac_rms", "mean", "minimum", "maximum"]);
-const CONFIG = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+const SPECIAL_WORDS = {
+  fold: "fold: a sweep in speed jumps",
+  "period doubling": "period doubling: half the frequency appears",
+  "neimark-sacker": "Neimark-Sacker point: modulation begins",
+  "branch point": "branch point: a second motion begins",
+  "stability change": "stability change",
+};
+const LENGTHS = new Set(["rms", "true_ac_rms", "peak_to_peak", "mean", "minimum", "maximum"]);
+/** Quantities whose axis does not begin at zero. */
+const POSITIONS = new Set(["mean", "minimum", "maximum"]);
+/** The buttons of plotly lie over the names on a narrow screen, where two fingers do what they do. */
+const config = () => ({
+  responsive: true,
+  displaylogo: false,
+  displayModeBar: window.innerWidth < 700 ? false : true,
+  modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
+});
 const INK = "#1b1f24";
 const AROUND_ONE = [
   [0, "#053061"],
@@ -93,7 +108,8 @@ let data,
   main;
 const state = {
   unit: null,
-  quantity: "rms",
+  quantity: null,
+  axes: [],
   part: "all",
   mesh: 0,
   off: new Set(),
@@ -120,11 +136,13 @@ const acrossTitle = () =>
     : frequencyTitle();
 const lengthUnit = (file) => (file.lengthUnit === "um" ? "[µm]" : file.lengthUnit ? `[${file.lengthUnit}]` : "/ b<sub>c</sub>");
 const lengthText = (file) => ({ um: " µm", m: " m" })[file.lengthUnit] || " b_c";
+const quantityWords = (name) => data.quantities[name].words;
 function quantityTitle(name) {
   const { unit } = data.quantities[name],
-    words = name.replace("mesh_force_maximum", "largest_mesh_force").replace(/_/g, " ");
-  if (LENGTHS.has(name)) return `mesh displacement, ${words}  ${lengthUnit(main)}`;
-  return unit === "1" ? words : `${words}  [${unit}]`;
+    words = quantityWords(name);
+  // A long title takes two lines, or it is cut off on a low plot.
+  if (LENGTHS.has(name)) return `${words.replace(" (", "<br>(")}  ${lengthUnit(main)}`;
+  return unit === "1" ? words.replace(", ", "<br>") : `${words}  [${unit}]`;
 }
 const partsOf = (file, name = state.quantity) => (data.quantities[name].along === "mesh" ? file.meshes : file.shafts);
 const columnsShown = (file) => (state.part === "all" ? range(partsOf(file).length) : [Number(state.part)]);
@@ -135,4 +153,56 @@ const valueAt = (series, name, point, column) => {
 const isOn = (what) => !state.off.has(what);
 const shown = () =>
   files.flatMap((file, number) => (number && !isOn("compare") ? [] : file.series.filter((s) => isOn(s.kind))));
+/** Smallest and largest of the numbers that are there; null without any. */
+function spanOf(values) {
+  let low = Infinity,
+    high = -Infinity;
+  for (const value of values) {
+    if (!Number.isFinite(value)) continue;
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return low <= high ? [low, high] : null;
+}
+/** Whether parts, each with its smallest and largest value, are too unequal for one picture; as in _panels.py. */
+function areUnequal(spans, ranges) {
+  const there = spans.filter(Boolean);
+  if (there.length < 2) return false;
+  const sizes = there.map(([low, high]) => (ranges ? high - low : Math.max(Math.abs(low), Math.abs(high))));
+  const whole = ranges
+    ? Math.max(...there.map(([, high]) => high)) - Math.min(...there.map(([low]) => low))
+    : Math.max(...sizes);
+  return Math.min(...sizes) < (ranges ? 0.1 : 0.05) * whole;
+}
+/** The range of an axis for values: a curve that is constant but for some thousandths looks constant. */
+function rangeFor([low, high], fromZero) {
+  if (fromZero && low >= 0) low = 0;
+  const height = Math.max(high - low, 0.05 * Math.max(Math.abs(low), Math.abs(high))) || 1,
+    middle = (low + high) / 2;
+  return [fromZero && low === 0 ? 0 : middle - 0.56 * height, middle + 0.56 * height];
+}
+/**
+ * Domains of panels one below another between 0 and `top`, the first uppermost, and the names of their axes, the lowest `y`. Above
+ * each of several there is room for its name.
+ */
+function panelsBelow(count, top) {
+  const gap = count > 1 ? 0.055 : 0,
+    tall = top / count - gap;
+  return range(count).map((place) => {
+    const low = (count - 1 - place) * (tall + gap);
+    return { axis: place === count - 1 ? "y" : `y${place + 3}`, domain: [low, low + tall] };
+  });
+}
+/** The name of a panel, above its upper left corner. */
+const panelName = (words, axis) => ({
+  text: safe(words),
+  xref: "paper",
+  yref: `${axis} domain`,
+  x: 0,
+  y: 1,
+  xanchor: "left",
+  yanchor: "bottom",
+  showarrow: false,
+});
+const layoutName = (axis) => axis.replace("y", "yaxis");
 const isBranch = (series) => series.kind !== "integration" && series.kind !== "attractors";

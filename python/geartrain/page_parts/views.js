@@ -67,7 +67,7 @@ function sortable(table, number) {
     fill();
   }
   const words = (cell) =>
-    cell === true ? "yes" : cell === false ? "no" : typeof cell === "number" ? show(cell) : (cell ?? "");
+    cell === true ? "yes" : cell === false ? "no" : typeof cell === "number" ? show(cell, 5) : (cell ?? "");
   fill();
   return make(
     "div",
@@ -125,7 +125,7 @@ function mapView(panel) {
       hovermode: "closest",
       uirevision: `${state.unit} ${parameter}`,
     };
-    Plotly.react(plot, [...(own ? mapTraces(chart) : []), ...loci.flatMap(locusTraces)], layout, CONFIG);
+    Plotly.react(plot, [...(own ? mapTraces(chart) : []), ...loci.flatMap(locusTraces)], layout, config());
     if (plot.hasClick) return;
     plot.hasClick = true;
     plot.on("plotly_click", (event) => tellCell(chart, event.points[0]));
@@ -233,7 +233,7 @@ function tellCell(chart, point) {
 
 function runUpView(panel) {
   const plot = make("div", { id: "ramp", class: "plot", role: "img", "aria-label": "Forces and torques of the run-up" });
-  plot.style.height = "460px";
+  plot.dataset.height = "460px";
   let along = "mesh";
   const [what] = choice(
     "show",
@@ -257,27 +257,40 @@ function runUpView(panel) {
       [names, unit, title] = { mesh: [main.meshes, "N", "mesh force"], shaft: [main.shafts, "N m", "shaft torque"] }[along],
       width = low.shape[1],
       x = Array.from(main.runUp.lambda, (l) => l * per(main));
-    const traces = range(width).flatMap((part) =>
-      [low, high].map((values, place) => ({
-        type: "scatter",
-        mode: "lines",
-        x,
-        y: x.map((_, i) => values[i * width + part]),
-        line: { color: COLORS[part % COLORS.length], width: 1 },
-        fill: place ? "tonexty" : "none",
-        name: safe(names[part]),
-        showlegend: place === 1,
-        hovertemplate: `${safe(names[part])}<br>%{x:.6g}${unitSuffix()}: %{y:.5g} ${unit}<extra></extra>`,
-      })),
+    const column = (values, part) => x.map((_, i) => values[i * width + part]),
+      parts = range(width).filter((part) => column(low, part).some(Number.isFinite)),
+      spans = parts.map((part) => spanOf([...column(low, part), ...column(high, part)])),
+      split = areUnequal(spans, true),
+      panels = panelsBelow(split ? parts.length : 1, 1).map((panel, place) => ({
+        ...panel,
+        columns: split ? [parts[place]] : parts,
+        range: split ? rangeFor(spans[place], false) : null,
+      }));
+    const traces = panels.flatMap(({ axis, columns }) =>
+      columns.flatMap((part) =>
+        [low, high].map((values, place) => ({
+          type: "scatter",
+          mode: "lines",
+          x,
+          y: column(values, part),
+          yaxis: axis,
+          line: { color: COLORS[part % COLORS.length], width: 1 },
+          fill: place ? "tonexty" : "none",
+          name: safe(names[part]),
+          showlegend: place === 1 && !split,
+          hovertemplate: `${safe(names[part])}<br>%{x:.6g}${unitSuffix()}: %{y:.5g} ${unit}<extra></extra>`,
+        })),
+      ),
     );
     const layout = {
-      ...baseLayout(frequencyTitle(), `${title}  [${unit}]`),
+      ...baseLayout(frequencyTitle(), ""),
       margin: { l: 68, r: 10, t: 40, b: 48 },
       hovermode: "closest",
       showlegend: true,
-      legend: { orientation: "h", y: 1.02, yanchor: "bottom" },
+      legend: { orientation: "h", y: 1.02, yanchor: "bottom", traceorder: "normal" },
     };
-    Plotly.react(plot, traces, layout, CONFIG);
+    putPanels(plot, layout, panels, names, `${title}  [${unit}]`);
+    drawPanels(plot, traces, layout);
   }
   return draw;
 }
