@@ -2,7 +2,7 @@
 module unit_drawing
    use geartrain, only: branch_type, case_type, dp, error_type, explanation_text, read_case_text, response, &
       response_settings_type, train_type, warnings_text
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, in_width, length_unit
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width, length_unit
    use geartrain_base_kinds, only: pi
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_frequency_unit, only: lambda_per

@@ -1,7 +1,7 @@
 !> An audit as text: a table with a line for each row, and a line with the sums.
 module geartrain_analyses_audit_text
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, in_width
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_model_train, only: train_type
