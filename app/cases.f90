@@ -305,7 +305,7 @@ contains
 
       path = ''
       if (job%status == 0 .or. job%status == status_ended_early) path = escaped(job%path)
-      call time_text(progress%seconds, progress%branch_seconds, time)
+      call time_text(job%case, results, progress%seconds, progress%branch_seconds, time)
       call report_text(job%case, results, verbose, text, time, path)
       call say(text)
    end subroutine report

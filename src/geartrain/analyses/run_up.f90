@@ -2,8 +2,8 @@
 module geartrain_analyses_run_up
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
-   use geartrain_report_names, only: mesh_names, name_length, shaft_names
-   use geartrain_report_sheet, only: in_head, in_quality, in_run_up, sheet_type
+   use geartrain_report_names, only: list_numbers, mesh_names, name_length, shaft_names
+   use geartrain_report_sheet, only: in_head, in_quality, in_result, in_run_up, sheet_type
    use geartrain_report_torques, only: torque_table_type
    use geartrain_analyses_run_up_start, only: find_start, tell_start
    use geartrain_balance_motion, only: motion_type
@@ -314,14 +314,14 @@ contains
       associate (result => self%result, unused => torques)
          n = result%windows
          told = frequency_text(train, self%settings%unit, max(ramp%start, ramp%stop), min(ramp%start, ramp%stop))
-         call told%with_unit(trim(told%number(ramp%start))//' to '//told%number(ramp%stop), words)
+         call told%with_unit(text(ramp%start*told%per_lambda)//' to '//text(ramp%stop*told%per_lambda), words)
          call sheet%add(in_head, 'Run-up: '//words//' in '// &
                         significant(ramp%duration/system%characteristic_frequency)//' s, '//counted(n, 'tooth period', &
                         'tooth periods')//' of the slowest mesh')
          if (n > 0) then
             at = ramp%start + ramp%acceleration*system%characteristic_frequency*result%window_time(:n)
             width = max(maxval(len_trim(mesh_names(train))) + 3, maxval([0, len_trim(shaft_names(train))]) + 5)
-            call sheet%add(in_run_up, repeat(' ', width)//'     minimum  at              maximum  at '//told%unit)
+            call sheet%add(in_run_up, repeat(' ', width)//'     minimum  at '//told%unit(:8)//'   maximum  at '//told%unit)
             names(:size(train%meshes)) = mesh_names(train)
             do i = 1, size(train%meshes)
                call put(trim(names(i))//', N', ' N', result%force_minimum(i, :n), result%force_maximum(i, :n), &
@@ -336,6 +336,7 @@ contains
                end associate
             end do
          end if
+         if (n > 0) call say_result()
          if (abs(ramp%acceleration) > 0 .and. .not. any(abs(system%network%acceleration) > 0)) &
             call sheet%say(in_run_up, 'Without the acceleration of the inertias: not every mesh has teeth, which give the speeds &
                                       &of the bodies.')
@@ -375,6 +376,35 @@ contains
          if (mean*usual < 0) words = words//', the load is reversed'
          call sheet%say(in_run_up, '  '//words)
       end subroutine put
+
+      !> Adds sentences on the largest mesh force, and on what loses contact or changes sign.
+      subroutine say_result()
+         type(train_type) :: plain
+         logical :: lose(size(train%meshes)), reverse(size(train%shafts))
+         character(:), allocatable :: list, place
+         integer :: mesh, window, k
+
+         call plain_train(train, plain)
+         associate (result => self%result)
+            mesh = maxloc(maxval(max(abs(result%force_minimum(:, :n)), abs(result%force_maximum(:, :n))), 2), 1)
+            associate (force => max(abs(result%force_minimum(mesh, :n)), abs(result%force_maximum(mesh, :n))))
+               window = maxloc(force, 1)
+               call told%with_unit(told%number(at(window)), place)
+               words = 'Run-up: largest mesh force '//significant(force(window))//' N, mesh '//text(mesh)//' at '//place
+            end associate
+            associate (gap => plain%meshes%half_backlash/plain%characteristic_length)
+               lose = [(any(abs(result%displacement(k, :result%samples)) < gap(k)), k=1, size(lose))]
+            end associate
+            reverse = [(.not. train%shafts(k)%rigid .and. minval(result%torque_minimum(k, :n)) < 0 .and. &
+                        maxval(result%torque_maximum(k, :n)) > 0, k=1, size(reverse))]
+         end associate
+         call list_numbers(lose, 'mesh', 'meshes', list)
+         if (list == '') list = 'no mesh'
+         words = words//'; '//list//trim(merge(' loses', ' lose ', count(lose) < 2))//' contact'
+         call list_numbers(reverse, 'shaft', 'shafts', list)
+         if (list /= '') words = words//'; the torque of '//list//' changes sign'
+         call sheet%say(in_result, words//'.')
+      end subroutine say_result
 
       !> Adds a sentence on forces against the load of meshes whose unloaded flanks do not touch, as far as the samples show.
       subroutine say_negative()

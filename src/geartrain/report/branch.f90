@@ -46,7 +46,7 @@ contains
 
       told = text_for(branch, train, settings%unit)
       ends = ends_of(settings, train)
-      call told%with_unit(trim(told%number(ends(1)))//' to '//told%number(ends(2)), words)
+      call told%with_unit(text(ends(1)*told%per_lambda)//' to '//text(ends(2)*told%per_lambda), words)
       words = 'Response: '//words
       if (told%parameter /= '') words = 'Response: '//trim(told%parameter)//' '//words(11:)//' at Lambda '// &
                                         significant(branch%constant_frequency)
@@ -55,7 +55,7 @@ contains
          call say_motions(branch, ends, train, told, .true., sheet, torques)
          if (sheet%verbose) call put_details(branch, 'Response', train, told, sheet)
       end if
-      call say_quality(branch, 'The response', settings, ends, .true., told, sheet)
+      call say_quality(branch, 'Response', settings, ends, .true., told, sheet)
    end subroutine report_branch
 
    !> Adds the branches that follow from a response and from attractors.
@@ -153,8 +153,10 @@ contains
          end if
          names = mesh_names(train)
          if (known .and. .not. any(counts)) then
-            call sheet%say(in_result, 'No motion of the response is stable: the figures are those of unstable motions.')
+            call sheet%say(in_result, 'Response: no motion is stable; the figures are those of unstable motions.')
             counts = .true.
+         else
+            call sheet%say(in_result, 'Response'//trim(merge(', stable motions:', ':                ', known)))
          end if
          do mesh = 1, branch%meshes
             call find_contact(branch, mesh, sides(mesh), told, sheet%verbose, contact(mesh)%text)

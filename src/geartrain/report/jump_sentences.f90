@@ -1,7 +1,7 @@
 !> What a report says of the jumps of a slow sweep: in which direction, at which speed, from what to what.
 module geartrain_report_jump_sentences
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: counted, text
+   use geartrain_base_numbers, only: text
    use geartrain_base_sorting, only: ascending
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_jumps, only: jump_type, jumps
@@ -15,7 +15,7 @@ module geartrain_report_jump_sentences
    public :: say_jumps
 
    !> Most jumps of a short report.
-   integer, parameter :: most = 8
+   integer, parameter :: most = 6
 
 contains
 
@@ -53,7 +53,7 @@ contains
          if (told%parameter /= '') words = merge('value up: at   ', 'value down: at ', found(i)%rising)
          words = trim(words)//' '//place
          if (found(i)%kind == 'leaves') then
-            words = words//' '//ending(found(i)%cause, branch, train)
+            words = words//' '//trim(ending(found(i)%cause, branch, train))
          else
             mesh = maxloc(abs(found(i)%after - found(i)%before), 1)
             words = words//' '//trim(found(i)%kind)//', mesh '//text(mesh)//' from '//trim(lengths%rms(found(i)%before(mesh))) &
@@ -63,14 +63,18 @@ contains
          if (found(i)%undecided) words = words//' (undecided)'
          call sheet%say(in_result, '  '//words)
       end do
-      if (.not. all(shown)) call sheet%say(in_result, '  and '//counted(count(.not. shown), 'smaller jump', 'smaller jumps'))
+      if (all(shown)) return
+      words = '  and '//text(count(.not. shown))//' more with smaller amplitudes'
+      i = count(found%undecided .and. .not. shown)
+      if (i > 0) words = words//' ('//text(i)//' undecided)'
+      call sheet%say(in_result, words)
    end subroutine say_jumps
 
-   !> Change of the rms of all meshes; huge where the sweep has no other motion of the branch to jump to.
+   !> Change of the rms of all meshes; where the sweep has no other motion of the branch to jump to, the rms.
    pure real(dp) function size_of(jump)
       type(jump_type), intent(in) :: jump
 
-      size_of = huge(1.0_dp)
+      size_of = norm2(jump%before)
       if (jump%kind /= 'leaves') size_of = norm2(jump%after - jump%before)
    end function size_of
 

@@ -67,6 +67,7 @@ contains
       if (n > most_numbers) words = words//' and '//text(n - most_numbers)//' more'
       if (n == 1) words = one//' '//words
       if (n > 1) words = many//' '//words
+      if (n > 2 .and. n == size(is_there)) words = 'all '//many
    end subroutine list_numbers
 
 end module geartrain_report_names

@@ -9,7 +9,7 @@ module geartrain_report_ranges
    public :: ranges_of_points, range_words
 
    !> Most ranges of a list in a short report.
-   integer, parameter :: most = 6
+   integer, parameter :: most = 4
 
 contains
 

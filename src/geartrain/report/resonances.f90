@@ -5,6 +5,7 @@ module geartrain_report_resonances
    use geartrain_base_numbers, only: counted, fixed, significant, text
    use geartrain_base_sorting, only: ascending
    use geartrain_continuation_branch, only: branch_type
+   use geartrain_continuation_decided, only: joined
    use geartrain_continuation_summary, only: peak_type, peaks
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: hertz_per_lambda
@@ -18,15 +19,16 @@ module geartrain_report_resonances
    public :: find_resonances, force_amplitude, put_resonances, resonance_type
 
    !> Most rows of a short report, and most meshes with a column of their own.
-   integer, parameter :: most_rows = 8, most_meshes = 4
+   integer, parameter :: most_rows = 8, most_meshes = 6
    !> Force amplitude below which a resonance is small, over the largest of the mesh [1]; distance within which two maxima of one
    !> order are one resonance, over the speed [1].
    real(dp), parameter :: small = 0.1_dp, same = 0.02_dp
-   !> Ratio of the frequencies of vibration and mode above which they have nothing to do with each other, and shift that is shown.
-   real(dp), parameter :: far = 1.5_dp, shift = 0.02_dp
+   !> Ratios of the frequencies of vibration and mode between which the vibration is of the mode, since teeth that separate lower
+   !> the frequency, and shift that is shown [1].
+   real(dp), parameter :: lowest = 0.55_dp, highest = 1.2_dp, shift = 0.02_dp
 
    type :: resonance_type
-      !> Lambda [1]; order of the fundamental with the largest amplitude [1].
+      !> Lambda [1]; order of the fundamental that makes the peak [1].
       real(dp) :: frequency_ratio = 0, order = 0
       !> Largest force less mean force [N], (mesh).
       real(dp), allocatable :: amplitude(:)
@@ -61,7 +63,7 @@ contains
          do i = 1, size(of_mesh)
             associate (peak => of_mesh(i))
                new%frequency_ratio = peak%frequency_ratio
-               new%order = dominant_order(branch, mesh, peak%point)
+               new%order = order_of_peak(branch, mesh, peak%point)
                new%amplitude = force_amplitude(branch%mesh_load(:, peak%point))
                new%unstable = .false.
                if (allocated(branch%stable)) new%unstable = .not. (peak%stable .or. peak%undecided)
@@ -88,18 +90,40 @@ contains
                 abs(one%frequency_ratio - other%frequency_ratio) < same*one%frequency_ratio
    end function is_same
 
-   !> Order of the fundamental with the largest amplitude of the displacement of a mesh [1].
-   pure real(dp) function dominant_order(branch, mesh, point)
+   !> Order of the fundamental that makes a peak [1]: its amplitude exceeds most its amplitude at the feet of the peak.
+   pure real(dp) function order_of_peak(branch, mesh, point)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh, point
-      integer :: k, n
+      real(dp) :: power(size(branch%orders))
+      integer :: feet(2), side, k
 
-      n = size(branch%orders)
-      dominant_order = 0
-      if (n == 0) return
-      k = maxloc([(hypot(branch%coefficients(2*k, mesh, point), branch%coefficients(2*k + 1, mesh, point)), k=1, n)], 1)
-      dominant_order = real(branch%orders(k), dp)/branch%subharmonic
-   end function dominant_order
+      order_of_peak = 0
+      if (size(branch%orders) == 0) return
+      do side = 1, 2
+         associate (foot => feet(side), step => 2*side - 3)
+            foot = point
+            do
+               if (foot + step < 1 .or. foot + step > branch%points) exit
+               if (.not. joined(branch, min(foot, foot + step))) exit
+               if (branch%rms(mesh, foot + step) > branch%rms(mesh, foot)) exit
+               foot = foot + step
+            end do
+         end associate
+      end do
+      power = power_at(branch, mesh, point) - max(power_at(branch, mesh, feet(1)), power_at(branch, mesh, feet(2)))
+      k = maxloc(power, 1)
+      order_of_peak = real(branch%orders(k), dp)/branch%subharmonic
+   end function order_of_peak
+
+   !> Squared amplitude of each order at a point [1], (order).
+   pure function power_at(branch, mesh, point) result(power)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: mesh, point
+      real(dp) :: power(size(branch%orders))
+      integer :: k
+
+      power = [(branch%coefficients(2*k, mesh, point)**2 + branch%coefficients(2*k + 1, mesh, point)**2, k=1, size(power))]
+   end function power_at
 
    !> Adds the table: stable resonances with a force amplitude that is not small, and how many are left out.
    subroutine put_resonances(found, modes, train, told, sheet)
@@ -140,10 +164,10 @@ contains
          head = in_width('at '//told%unit, 12)//'   order          Hz  mode        '
          if (size(largest) <= most_meshes) then
             do mesh = 1, size(largest)
-               head = head//in_width('mesh '//text(mesh)//' [N]', 12)
+               head = head//in_width('mesh '//text(mesh), 9)
             end do
          else
-            head = head//'  largest [N]  mesh'
+            head = head//'  largest  mesh'
          end if
          call sheet%add(in_resonances, head//'  excited by')
       end if
@@ -155,11 +179,11 @@ contains
                    mode_of(resonance%order*resonance%frequency_ratio, modes)
             if (size(largest) <= most_meshes) then
                do mesh = 1, size(largest)
-                  line = line//in_width(significant(resonance%amplitude(mesh)), 12)
+                  line = line//in_width(significant(resonance%amplitude(mesh)), 9)
                end do
             else
                j = maxloc(resonance%amplitude, 1)
-               line = line//in_width(significant(resonance%amplitude(j)), 13)//in_width(text(j), 6)
+               line = line//in_width(significant(resonance%amplitude(j)), 9)//in_width(text(j), 6)
             end if
             call sources%name(resonance%order, by)
             line = line//'  '//by
@@ -168,7 +192,7 @@ contains
          end associate
       end do
       line = ''
-      if (any(shown)) line = 'mesh [N]: force amplitude, largest less mean force'
+      if (any(shown)) line = 'Under each mesh its force amplitude [N], largest less mean force'
       if (any(shown) .and. plain%speed_ratio > 0) line = line//'; order: per revolution of the speed'
       if (.not. all(shown)) then
          if (line /= '') line = line//'; '
@@ -193,7 +217,7 @@ contains
          i = minloc(abs(log(frequency_ratio/natural)), 1)
          ratio = frequency_ratio/natural(i)
       end associate
-      if (max(ratio, 1/ratio) > far) return
+      if (ratio < lowest .or. ratio > highest) return
       words = text(i)
       if (abs(ratio - 1) >= shift) words = text(i)//' ('//trim(merge('+', ' ', ratio > 1))//fixed(100*(ratio - 1), 0)//' %)'
    end function mode_of

@@ -39,16 +39,17 @@ contains
       !> Torques of the shafts over all motions so far.
       type(torque_table_type), intent(inout) :: torques
       type(frequency_text_type) :: told
-      character(:), allocatable :: words
+      character(:), allocatable :: from, to, words
       real(dp) :: at(size(motions))
       integer :: period, n
 
       at = motions%frequency_ratio
       n = count(at > 0)
       told = frequency_text(train, settings%unit, maxval([0.0_dp, at]), minval([maxval([0.0_dp, at]), pack(at, at > 0)]))
-      call told%with_unit(told%number(minval([maxval([0.0_dp, at]), pack(at, at > 0)])), words)
-      if (n > 0 .and. told%number(minval(at, at > 0)) /= told%number(maxval(at))) &
-         call told%with_unit(trim(told%number(minval(at, at > 0)))//' to '//told%number(maxval(at)), words)
+      from = text(minval([maxval([0.0_dp, at]), pack(at, at > 0)])*told%per_lambda)
+      to = text(maxval([0.0_dp, at])*told%per_lambda)
+      call told%with_unit(from, words)
+      if (from /= to) call told%with_unit(from//' to '//to, words)
       words = 'Integration in time: '//words
       if (settings%direction == 'both' .and. n > 1) words = words//' up and down'
       if (settings%direction == 'down' .and. n > 1) words = words//' down'
@@ -57,7 +58,7 @@ contains
       do period = 1, maxval([0, motions%period])
          if (any(motions%period == period)) words = words//', '//text(count(motions%period == period))//' of period '//text(period)
       end do
-      if (len(words) > 0 .and. any(motions%period > 1)) call sheet%say(in_result, 'Integration: '//words(3:)//'.')
+      call sheet%say(in_result, 'Integration in time'//words//':')
       call say_motions(motions, told, train, sheet, torques)
       call say_quality(motions, sheet)
       call say_windows(train, motions, sheet)
@@ -106,7 +107,7 @@ contains
             if (.not. gap(mesh) > 0) cycle
             contact(mesh)%text = 'keeps contact'
             hits = counts .and. load(mesh, :)%separation > 0
-            if (any(hits)) call describe('loses contact at ', hits, contact(mesh)%text)
+            if (any(hits)) call describe('loses contact', hits, contact(mesh)%text)
             smallest = 0
             largest = 0
             do i = 1, size(motions)
@@ -116,7 +117,7 @@ contains
             if (sides(mesh) < 0) hits = largest > gap(mesh)
             if (sides(mesh) >= 0) hits = smallest < -gap(mesh)
             if (any(hits)) call describe(contact(mesh)%text//'; its '//trim(merge('drive', 'coast', sides(mesh) < 0))// &
-                                         ' flanks hit at ', hits, contact(mesh)%text)
+                                         ' flanks hit', hits, contact(mesh)%text)
          end do
          call say_meshes(load, at, counts, [(.false., i=1, size(at))], contact, names, told, sheet)
          if (.not. any(has_torque)) return
@@ -133,9 +134,10 @@ contains
          character(:), allocatable, intent(inout) :: words
          character(:), allocatable :: list
 
-         call range_words(ranges_of_points(motions%frequency_ratio, holds, connected), told, .true., list)
+         call range_words(ranges_of_points(motions%frequency_ratio, holds, connected), told, sheet%verbose, list)
          if (list == '') call told%with_unit(told%number(motions(findloc(holds, .true., 1))%frequency_ratio), list)
-         words = what//list
+         if (size(motions) == 1) words = what
+         if (size(motions) > 1) words = what//' at '//list
       end subroutine describe
 
    end subroutine say_motions
@@ -162,8 +164,9 @@ contains
             if (number > 0) words = words//', '//text(number)//' '//trim(kinds(i))
          end associate
       end do
-      words = 'Integration: '//text(left)//' of '//counted(done, 'motion', 'motions')//' did not settle on a period'//words
-      words = words//'; their forces and torques count'
+      if (done == 1) words = 'Integration: the motion did not settle on a period: '//words(5:)//'; its forces and torques count'
+      if (done > 1) words = 'Integration: '//text(left)//' of '//text(done)//' motions did not settle on a period'//words// &
+                            '; their forces and torques count'
       if (any(motions%kind == 'unbounded')) words = words//', but for those without bound'
       call sheet%say(in_quality, words//'.')
    end subroutine say_quality

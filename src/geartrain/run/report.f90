@@ -109,22 +109,28 @@ contains
       type(sheet_type), intent(inout) :: sheet
 
       call sheet%add(in_files, 'Written: '//path)
-      if (.not. sheet%verbose) call sheet%add(in_files, 'All details: geartrain ... --verbose')
-      call sheet%add(in_files, 'Next: geartrain-page '//path//' makes a page for a browser')
+      call sheet%add(in_files, 'Next: geartrain-page '//path//' makes a page for a browser'// &
+                     trim(merge('                                      ', '; --verbose prints every peak and jump', sheet%verbose)))
    end subroutine say_files
 
    !> Time of a run in words: 'Time: response 0.1396 s, integration 3.94 s'.
-   subroutine time_text(seconds, branch_seconds, text)
+   subroutine time_text(case, results, seconds, branch_seconds, text)
+      !> The case and its results, as in report_text.
+      type(case_type), target :: case
+      !> See `case`.
+      type(results_type), target :: results
       !> Time of each analysis of the list [s], (analysis); time of the further branches [s].
       real(dp), intent(in) :: seconds(:), branch_seconds
       !> The words; '' where no analysis took time.
       character(:), allocatable, intent(out) :: text
+      class(analysis_type), allocatable :: analysis
       integer :: i
 
       text = ''
       do i = 1, size(analyses)
-         if (seconds(i) > 0 .and. analyses(i)%name /= 'modes') text = text//', '//spoken(analyses(i)%name)//' '// &
-                                                                    significant(seconds(i))//' s'
+         if (analyses(i)%name == 'modes' .or. .not. seconds(i) > 0) cycle
+         call find_analysis(i, case, results, analysis)
+         if (analysis%begun) text = text//', '//spoken(analyses(i)%name)//' '//significant(seconds(i))//' s'
       end do
       if (branch_seconds > 0) text = text//', further branches '//significant(branch_seconds)//' s'
       if (text /= '') text = 'Time: '//text(3:)
