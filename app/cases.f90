@@ -9,6 +9,7 @@ module cases
    use geartrain_base_numbers, only: counted
    use geartrain_base_plain_text, only: escaped
    use geartrain_input_new_case, only: new_case_text
+   use geartrain_results_seal, only: check_replaceable
    use geartrain_run_report, only: report_text, time_text
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, say, tell_of_interrupts
@@ -133,14 +134,14 @@ contains
 
    !> Runs the cases, one thread a case where there are several; one alone has all threads to itself. A case that fails does not
    !> keep the others from running; `status` is the largest of their exit statuses.
-   subroutine run_cases(files, output_file, resume, verbose, status)
+   subroutine run_cases(files, output_file, resume, force, verbose, status)
       type(file_name_type), intent(in) :: files(:)
       !> As given by --output; ''.
       character(*), intent(in) :: output_file
       !> Go on from the checkpoint of a run that was killed; of one case only.
       logical, intent(in) :: resume
-      !> Whether the reports have all details.
-      logical, intent(in) :: verbose
+      !> Remove checkpoints of runs that were killed; reports with all details.
+      logical, intent(in) :: force, verbose
       integer, intent(out) :: status
       type(job_type) :: jobs(size(files))
       integer :: i
@@ -153,7 +154,7 @@ contains
       call tell_of_interrupts()
       !$omp parallel do schedule(dynamic) if (size(files) > 1)
       do i = 1, size(files)
-         if (jobs(i)%status == 0) call run(files(i)%name, size(files) == 1, resume, verbose, jobs(i))
+         if (jobs(i)%status == 0) call run(files(i)%name, size(files) == 1, resume, force, verbose, jobs(i))
       end do
       !$omp end parallel do
       status = maxval(jobs%status)
@@ -258,12 +259,12 @@ contains
    end function resolved
 
    !> Runs a case, then tells what came of it in one piece.
-   subroutine run(name, alone, resume, verbose, job)
+   subroutine run(name, alone, resume, force, verbose, job)
       character(*), intent(in) :: name
       !> It is the only one: its progress is shown, and its results need no name above them.
       logical, intent(in) :: alone
       !> As of run_cases.
-      logical, intent(in) :: resume, verbose
+      logical, intent(in) :: resume, force, verbose
       type(job_type), intent(inout), target :: job
       type(results_type), target :: results
       type(error_type), allocatable :: error
@@ -272,6 +273,14 @@ contains
       logical :: exists
 
       checkpoint = ''
+      if (force) then
+         call remove_checkpoint(job%path//'.partial', error)
+         if (allocated(error)) then
+            job%status = error%status
+            call complain(error%message, lines=.true.)
+            return
+         end if
+      end if
       if (resume) then
          inquire (file=job%path//'.partial', exist=exists)
          if (exists) checkpoint = job%path//'.partial'
@@ -294,6 +303,18 @@ contains
       end if
       !$omp end critical (terminal)
    end subroutine run
+
+   !> Removes the checkpoint of a run that was killed; an error where the file is none, or cannot be removed.
+   subroutine remove_checkpoint(path, error)
+      character(*), intent(in) :: path
+      type(error_type), allocatable, intent(out) :: error
+      integer :: unit, failed
+
+      call check_replaceable(path, error)
+      if (allocated(error)) return
+      open (newunit=unit, file=path, status='old', iostat=failed)
+      if (failed == 0) close (unit, status='delete', iostat=failed)
+   end subroutine remove_checkpoint
 
    subroutine report(job, results, progress, verbose)
       type(job_type), intent(in), target :: job

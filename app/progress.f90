@@ -7,7 +7,7 @@ module progress
    use geartrain_analyses_analysis, only: spoken
    use geartrain_analyses_forecast, only: forecast_type
    use geartrain_analyses_list, only: analyses, number_of
-   use geartrain_base_numbers, only: integer_text, significant
+   use geartrain_base_numbers, only: counted, integer_text, significant
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: hertz_per_lambda
    use geartrain_model_train, only: train_type
@@ -155,12 +155,13 @@ contains
       if (analysis == 'random starts') steps = 'starts'
       if (analysis == 'settling') steps = 'periods'
       if (analysis == 'settling by time') steps = 'tooth periods'
-      line = analysis//': '//integer_text(done)//' '//trim(steps)
+      line = analysis//': '//counted(done, singular(steps), trim(steps))
       if (steps /= 'rows') then
          call self%told(number)%with_unit(self%told(number)%number(frequency_ratio), place)
          line = line//', '//place
       end if
-      if (analysis == 'settling' .or. analysis == 'settling by time') line = line//', '//integer_text(self%points)//' points done'
+      if (analysis == 'settling' .or. analysis == 'settling by time') &
+         line = line//', '//counted(self%points, 'point', 'points')//' done'
       if (self%overwrites) then
          write (error_unit, '(2a)', advance='no', iostat=status) to_line_start, line
          flush (error_unit, iostat=status)
@@ -229,6 +230,14 @@ contains
          end do
       end select
    end function number_of_spoken
+
+   !> A word without the s of the plural at its end.
+   pure function singular(words) result(word)
+      character(*), intent(in) :: words
+      character(len_trim(words) - 1) :: word
+
+      word = words
+   end function singular
 
    subroutine clear(self)
       class(progress_type), intent(in) :: self

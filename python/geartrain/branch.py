@@ -146,7 +146,7 @@ class Branch(Curves):
         return self.report()
 
     def __repr__(self) -> str:
-        return f"<Branch of {len(self)} points: {in_own_unit(self.ended, self.train)}>"
+        return f"<Branch of {len(self)} {'point' if len(self) == 1 else 'points'}: {in_own_unit(self.ended, self.train)}>"
 
     def report(self, *, verbose: bool = False) -> str:
         """The report that the executable prints of this branch and its ``branches``: `str` of a branch is the same text.
