@@ -139,7 +139,7 @@ contains
       if (number > 0) self%seconds(number) = self%seconds(number) + seconds
       if (analysis == 'branch') self%branch_seconds = self%branch_seconds + seconds
       if (.not. self%shown .or. .not. keep_going) return
-      if (self%overwrites) call self%report_modes()
+      if (self%overwrites .or. now - self%begin > self%rate) call self%report_modes()
       call self%report_forecast(analysis, done, frequency_ratio)
       if (analysis == 'modes') return
       if (analysis == 'settling' .or. analysis == 'settling by time') then

@@ -5,7 +5,6 @@ module geartrain_analyses_analysis
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_fields, only: fields_type
-   use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
    use geartrain_model_train, only: train_type

@@ -421,7 +421,7 @@ contains
          call told%of_words('Attractors at Lambda = '//significant(found%frequency_ratio), words)
          call sheet%say(in_result, words//': '//counted(size(found%motions), 'steady motion', 'steady motions')//' from '// &
                         counted(found%starts, 'random start', 'random starts')//'; '//fixed(100*found%unsettled, 1)// &
-                        ' % of them did not settle.')
+                        ' % did not settle.')
          if (size(found%motions) > 0) call sheet%add(in_result, 'motion  period   share [%]  state           '// &
                                                      trim(lengths%name)//' of each mesh')
          do i = 1, size(found%motions)

@@ -3,7 +3,6 @@
 module geartrain_analyses_integration
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_steady_motion, only: check_start, find_steady, need_to_find
-   use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type

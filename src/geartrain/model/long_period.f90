@@ -5,7 +5,7 @@ module geartrain_model_long_period
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_input
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: counted, integer_text
+   use geartrain_base_numbers, only: counted
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_kinematics, only: find_kinematics, kinematics_type
    use geartrain_model_limits, only: in_order

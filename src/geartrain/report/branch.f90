@@ -17,7 +17,7 @@ module geartrain_report_branch
    use geartrain_report_loads, only: say_meshes
    use geartrain_report_names, only: list_numbers, mesh_names, name_length
    use geartrain_report_ranges, only: range_words
-   use geartrain_report_sheet, only: in_head, in_quality, in_result, sheet_type
+   use geartrain_report_sheet, only: in_head, in_result, sheet_type
    use geartrain_report_torques, only: say_reversals, torque_table_type
    implicit none (type, external)
    private

@@ -1,4 +1,4 @@
-!> Frequencies and lengths as a report tells them: in the unit that the case asks for, the speed in rpm where Lambda is the speed in
+!> Frequencies as a report states them: in the unit that the case asks for, the speed in rpm where Lambda is the speed in
 !> rpm. Of a branch over a parameter of the train the values of the parameter take the place of frequencies.
 module geartrain_report_frequency_text
    use geartrain_base_kinds, only: dp
@@ -9,7 +9,7 @@ module geartrain_report_frequency_text
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: frequency_text_type, frequency_text, in_width, length_unit, text_for
+   public :: frequency_text_type, frequency_text, in_width, text_for
 
    !> Lambda from here on has two digits after the point, else four.
    real(dp), parameter :: large = 1000
@@ -184,18 +184,5 @@ contains
 
       text = adjustr(repeat(' ', len(text) - len_trim(number))//trim(number))
    end function in_width
-
-   !> Unit of displacements over the characteristic length where it has a name, as the head of a column has it: ' [um]', ' [m]'.
-   pure function length_unit(train) result(unit)
-      !> The train as given.
-      type(train_type), intent(in) :: train
-      character(5) :: unit
-      type(train_type) :: plain
-
-      call plain_train(train, plain)
-      unit = ''
-      if (abs(plain%characteristic_length - 1e-6_dp) < 1e-18_dp) unit = ' [um]'
-      if (abs(plain%characteristic_length - 1) < 1e-12_dp) unit = ' [m]'
-   end function length_unit
 
 end module geartrain_report_frequency_text

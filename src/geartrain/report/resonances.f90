@@ -16,10 +16,10 @@ module geartrain_report_resonances
    use geartrain_report_sources, only: find_sources, sources_type
    implicit none (type, external)
    private
-   public :: find_resonances, force_amplitude, put_resonances, resonance_type
+   public :: find_resonances, put_resonances, resonance_type
 
    !> Most rows of a short report, and most meshes with a column of their own.
-   integer, parameter :: most_rows = 8, most_meshes = 6
+   integer, parameter :: most_rows = 6, most_meshes = 6
    !> Force amplitude below which a resonance is small, over the largest of the mesh [1]; distance within which two maxima of one
    !> order are one resonance, over the speed [1].
    real(dp), parameter :: small = 0.1_dp, same = 0.02_dp
@@ -192,11 +192,11 @@ contains
          end associate
       end do
       line = ''
-      if (any(shown)) line = 'Under each mesh its force amplitude [N], largest less mean force'
-      if (any(shown) .and. plain%speed_ratio > 0) line = line//'; order: per revolution of the speed'
+      if (any(shown)) line = 'Under each mesh: force amplitude [N], largest less mean force'
+      if (any(shown) .and. plain%speed_ratio > 0) line = line//'; order: per revolution'
       if (.not. all(shown)) then
          if (line /= '') line = line//'; '
-         line = line//counted(count(.not. shown), 'small or unstable resonance', 'small or unstable resonances')//' left out'
+         line = line//counted(count(.not. shown), 'smaller or unstable one', 'smaller or unstable ones')//' left out'
       end if
       if (line /= '') call sheet%say(in_resonances, line//'.')
    end subroutine put_resonances

@@ -5,7 +5,7 @@ module geartrain_run_report
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: significant
+   use geartrain_base_numbers, only: fixed
    use geartrain_model_explain, only: speed_text
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_network, only: state_count
@@ -109,11 +109,11 @@ contains
       type(sheet_type), intent(inout) :: sheet
 
       call sheet%add(in_files, 'Written: '//path)
-      call sheet%add(in_files, 'Next: geartrain-page '//path//' makes a page for a browser'// &
-                     trim(merge('                                      ', '; --verbose prints every peak and jump', sheet%verbose)))
+      call sheet%add(in_files, 'Next: geartrain-page '//path//' makes a page for a browser')
+      if (.not. sheet%verbose) call sheet%add(in_files, 'Every peak, jump and range: --verbose')
    end subroutine say_files
 
-   !> Time of a run in words: 'Time: response 0.1396 s, integration 3.94 s'.
+   !> Time of a run in words: 'Time: response 0.14 s, integration 3.94 s'.
    subroutine time_text(case, results, seconds, branch_seconds, text)
       !> The case and its results, as in report_text.
       type(case_type), target :: case
@@ -130,9 +130,9 @@ contains
       do i = 1, size(analyses)
          if (analyses(i)%name == 'modes' .or. .not. seconds(i) > 0) cycle
          call find_analysis(i, case, results, analysis)
-         if (analysis%begun) text = text//', '//spoken(analyses(i)%name)//' '//significant(seconds(i))//' s'
+         if (analysis%begun) text = text//', '//spoken(analyses(i)%name)//' '//fixed(seconds(i), 2)//' s'
       end do
-      if (branch_seconds > 0) text = text//', further branches '//significant(branch_seconds)//' s'
+      if (branch_seconds > 0) text = text//', further branches '//fixed(branch_seconds, 2)//' s'
       if (text /= '') text = 'Time: '//text(3:)
    end subroutine time_text
 
