@@ -324,12 +324,27 @@ contains
       logical, intent(in) :: verbose
       character(:), allocatable :: text, time, path
 
+      if (job%status /= 0 .and. .not. has_results(job%case, results)) return
       path = ''
       if (job%status == 0 .or. job%status == status_ended_early) path = escaped(job%path)
       call time_text(job%case, results, progress%seconds, progress%branch_seconds, time)
       call report_text(job%case, results, verbose, text, time, path)
       call say(text)
    end subroutine report
+
+   !> Whether any analysis has begun.
+   logical function has_results(case, results)
+      type(case_type), intent(in), target :: case
+      type(results_type), intent(in), target :: results
+      class(analysis_type), allocatable :: analysis
+      integer :: i
+
+      has_results = .false.
+      do i = 1, size(analyses)
+         call find_analysis(i, case, results, analysis)
+         has_results = has_results .or. analysis%begun
+      end do
+   end function has_results
 
    logical function asks_for_something(case)
       type(case_type), intent(in), target :: case

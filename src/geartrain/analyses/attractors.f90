@@ -436,7 +436,7 @@ contains
          end do
          if (.not. allocated(found%ended)) return
          call told%of_words(found%ended, words)
-         if (.not. found%complete .or. index(words, ';') > 0 .or. sheet%verbose) &
+         if (words /= 'all starts done' .or. sheet%verbose) &
             call sheet%say(in_quality, 'The search for attractors ended: '//words//'.')
       end associate
    end subroutine report

@@ -385,7 +385,8 @@ contains
          call sheet%say(in_result, words//'.')
          if (.not. allocated(found%ended)) return
          call told%of_words(found%ended, words)
-         if (.not. found%complete .or. sheet%verbose) call sheet%say(in_quality, 'The bifurcation diagram ended: '//words//'.')
+         if (words /= 'all points done' .or. sheet%verbose) &
+            call sheet%say(in_quality, 'The bifurcation diagram ended: '//words//'.')
       end associate
    end subroutine report
 

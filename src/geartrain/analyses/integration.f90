@@ -379,7 +379,7 @@ contains
       type(sheet_type), intent(inout) :: sheet
       type(torque_table_type), intent(inout) :: torques
 
-      call report_sweep(self%result%motions, self%result%ended, self%result%complete, self%settings, train, sheet, torques)
+      call report_sweep(self%result%motions, self%result%ended, self%settings, train, sheet, torques)
    end subroutine report
 
 end module geartrain_analyses_integration

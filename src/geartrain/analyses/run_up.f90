@@ -346,7 +346,7 @@ contains
             return
          end if
          call told%of_words(result%ended, words)
-         if (.not. result%complete .or. index(words, ';') > 0 .or. sheet%verbose) call sheet%say(in_quality, 'The run-up ended: ' &
+         if (.not. result%complete .or. scan(words, ';:,') > 0 .or. sheet%verbose) call sheet%say(in_quality, 'The run-up ended: ' &
                                                                                                  //words//'.')
       end associate
 

@@ -64,14 +64,14 @@ contains
                n = n + 1
                if (n > most) cycle
                if (n > 1) words = words//', '
-               words = words//text(body%torque)//' N m on '//body%name
+               words = words//significant(body%torque)//' N m on '//body%name
             end associate
          end do
          if (n > most) words = words//', and '//text(n - most)//' more torques'
          if (n == 0) words = words//'none'
          if (n > 0) words = words//', balanced by '//balancing
       else
-         words = words//'input torque '//text(train%input_torque)//' N m'
+         words = words//'input torque '//significant(train%input_torque)//' N m'
       end if
       if (size(force) <= most .and. any(abs(force) > 0)) then
          words = words//'; mean mesh '//trim(merge('force ', 'forces', size(force) == 1))//' '

@@ -39,7 +39,11 @@ contains
       do i = 1, size(load, 1)
          largest(i) = maxloc(load(i, :)%force_maximum, 1, counts)
       end do
-      order = ascending([(-load(i, largest(i))%dynamic_factor, i=1, size(load, 1))])
+      ! Meshes without a mean force come last, those with the largest forces first.
+      associate (strongest => maxval(load%force_maximum))
+         order = ascending([(merge(-load(i, largest(i))%dynamic_factor, -load(i, largest(i))%force_maximum/strongest, &
+                                   load(i, largest(i))%dynamic_factor >= 0), i=1, size(load, 1))])
+      end associate
       shown = .true.
       if (.not. sheet%verbose) shown(order(most + 1:)) = .false.
       do i = 1, size(load, 1)
@@ -56,8 +60,10 @@ contains
       end do
       if (all(shown)) return
       associate (next => order(most + 1))
-         words = 'The other '//counted(count(.not. shown), 'mesh', 'meshes')//': at most '// &
-                 significant(load(next, largest(next))%dynamic_factor)//' times the mean'
+         words = 'The other '//counted(count(.not. shown), 'mesh', 'meshes')//': largest force '// &
+                 significant(maxval([(load(i, largest(i))%force_maximum, i=1, size(load, 1))], .not. shown))//' N'
+         if (load(next, largest(next))%dynamic_factor >= 0) words = words//', at most '// &
+            significant(load(next, largest(next))%dynamic_factor)//' times the mean'
       end associate
       k = count([(contact(i)%text /= '' .and. index(contact(i)%text, 'keeps contact') == 0, i=1, size(contact))] &
                 .and. .not. shown)

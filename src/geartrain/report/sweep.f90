@@ -23,13 +23,11 @@ module geartrain_report_sweep
 contains
 
    !> Adds a sweep to the report.
-   subroutine report_sweep(motions, ended, complete, settings, train, sheet, torques)
+   subroutine report_sweep(motions, ended, settings, train, sheet, torques)
       !> The motions; Lambda 0: still to be done.
       type(motion_type), intent(in) :: motions(:)
       !> Why the sweep ended; not allocated: it is under way.
       character(:), allocatable, intent(in) :: ended
-      !> Whether all motions are done.
-      logical, intent(in) :: complete
       !> What the integration asks for.
       type(integration_settings_type), intent(in) :: settings
       !> The train as given.
@@ -64,8 +62,7 @@ contains
       call say_windows(train, motions, sheet)
       if (.not. allocated(ended)) return
       call told%of_words(ended, words)
-      if (.not. complete .or. index(words, ';') > 0 .or. sheet%verbose) call sheet%say(in_quality, 'The integration ended: '// &
-                                                                                       words//'.')
+      if (words /= 'all points done' .or. sheet%verbose) call sheet%say(in_quality, 'The integration ended: '//words//'.')
    end subroutine report_sweep
 
    !> Adds contact, forces and torques.
