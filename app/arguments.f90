@@ -19,6 +19,10 @@ module arguments
       character(:), allocatable :: shell
       !> Go on from the checkpoint of a run that was killed.
       logical :: resume = .false.
+      !> Remove the checkpoint of a run that was killed, and begin anew.
+      logical :: force = .false.
+      !> Report with all details.
+      logical :: verbose = .false.
       !> What is wrong with the command line; '' where all is well.
       character(:), allocatable :: wrong
    end type arguments_type
@@ -57,6 +61,10 @@ contains
             arguments%action = word(3:)
          case ('--resume')
             arguments%resume = .true.
+         case ('--verbose')
+            arguments%verbose = .true.
+         case ('--force')
+            arguments%force = .true.
          case ('--output', '-o')
             i = i + 1
             if (i <= command_argument_count()) arguments%output_file = argument(i)
@@ -80,6 +88,10 @@ contains
       if (arguments%wrong == '' .and. arguments%action /= 'run') then
          if (arguments%output_file /= '') arguments%wrong = '--'//arguments%action//' writes no results: leave out --output'
          if (arguments%resume) arguments%wrong = '--'//arguments%action//' goes on with no run: leave out --resume'
+         if (arguments%verbose) arguments%wrong = '--'//arguments%action//' prints no report: leave out --verbose'
+         if (arguments%force) arguments%wrong = '--'//arguments%action//' writes no results: leave out --force'
+      else if (arguments%wrong == '' .and. arguments%resume .and. arguments%force) then
+         arguments%wrong = '--resume and --force contradict each other'
       else if (arguments%wrong == '' .and. size(arguments%case_files) > 1) then
          if (arguments%resume) arguments%wrong = '--resume goes on with one case, and there are several: resume them one by one'
          if (arguments%output_file /= '') &

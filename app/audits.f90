@@ -4,12 +4,12 @@ module audits
    use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_type, dp, error_type, read_case, results_type, &
                         run_case, status_ended_early, status_input
    use geartrain_analyses_dependencies, only: keep_branches
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_base_plain_text, only: escaped
    use geartrain_continuation_exact_point, only: branch_with_multipliers
    use geartrain_model_long_period, only: refuse_long_period
    use progress, only: begin_progress, progress_type
-   use terminal, only: complain, hand_over, output_unit
+   use terminal, only: complain, say
    implicit none (type, external)
    private
    public :: audit_cases
@@ -92,9 +92,8 @@ contains
       end if
       !$omp critical (terminal)
       call progress%clear()
-      if (.not. alone) write (output_unit, '(2a)') escaped(name), ':'
-      write (output_unit, '(a)', advance='no') lines
-      call hand_over()
+      if (.not. alone) call say(escaped(name)//':'//new_line('a'))
+      call say(lines)
       if (allocated(error)) then
          if (index(error%message, ': error: ') == 0) error%message = escaped(name)//': error: '//error%message
          call complain(error%message, lines=.true.)

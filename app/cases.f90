@@ -5,12 +5,14 @@ module cases
    use geartrain, only: case_type, error_type, explanation_text, read_case, results_type, run_case, &
       status_ended_early, status_file, status_input, warnings_text
    use geartrain_analyses_analysis, only: analysis_type
-   use geartrain_analyses_branch_report, only: report_branches
    use geartrain_analyses_list, only: analyses, find_analysis
+   use geartrain_base_numbers, only: counted
    use geartrain_base_plain_text, only: escaped
    use geartrain_input_new_case, only: new_case_text
+   use geartrain_results_seal, only: check_replaceable
+   use geartrain_run_report, only: report_text, time_text
    use progress, only: begin_progress, progress_type
-   use terminal, only: complain, hand_over, output_unit, say, tell_of_interrupts
+   use terminal, only: complain, say, tell_of_interrupts
    implicit none (type, external)
    private
    public :: check_cases, explain_cases, new_case, run_cases
@@ -83,10 +85,9 @@ contains
             status = max(status, error%status)
          else
             call warnings_text(case%train, warnings)
-            write (output_unit, '(2a, 2(a, i0), a)') escaped(files(i)%name), &
-               trim(merge(': no problems            ', ': no errors, but warnings', warnings == '')), ': ', &
-               size(case%train%shafts), ' shafts, ', size(case%train%meshes), &
-               trim(merge(' mesh  ', ' meshes', size(case%train%meshes) == 1))
+            call say(escaped(files(i)%name)//trim(merge(': no problems            ', ': no errors, but warnings', warnings == '')) &
+                     //': '//counted(size(case%train%shafts), 'shaft', 'shafts')//', '// &
+                     counted(size(case%train%meshes), 'mesh', 'meshes')//new_line('a'))
             call warn(files(i)%name, case)
          end if
       end do
@@ -133,12 +134,14 @@ contains
 
    !> Runs the cases, one thread a case where there are several; one alone has all threads to itself. A case that fails does not
    !> keep the others from running; `status` is the largest of their exit statuses.
-   subroutine run_cases(files, output_file, resume, status)
+   subroutine run_cases(files, output_file, resume, force, verbose, status)
       type(file_name_type), intent(in) :: files(:)
       !> As given by --output; ''.
       character(*), intent(in) :: output_file
       !> Go on from the checkpoint of a run that was killed; of one case only.
       logical, intent(in) :: resume
+      !> Remove checkpoints of runs that were killed; reports with all details.
+      logical, intent(in) :: force, verbose
       integer, intent(out) :: status
       type(job_type) :: jobs(size(files))
       integer :: i
@@ -151,7 +154,7 @@ contains
       call tell_of_interrupts()
       !$omp parallel do schedule(dynamic) if (size(files) > 1)
       do i = 1, size(files)
-         if (jobs(i)%status == 0) call run(files(i)%name, size(files) == 1, resume, jobs(i))
+         if (jobs(i)%status == 0) call run(files(i)%name, size(files) == 1, resume, force, verbose, jobs(i))
       end do
       !$omp end parallel do
       status = maxval(jobs%status)
@@ -256,12 +259,12 @@ contains
    end function resolved
 
    !> Runs a case, then tells what came of it in one piece.
-   subroutine run(name, alone, resume, job)
+   subroutine run(name, alone, resume, force, verbose, job)
       character(*), intent(in) :: name
       !> It is the only one: its progress is shown, and its results need no name above them.
       logical, intent(in) :: alone
-      !> As above.
-      logical, intent(in) :: resume
+      !> As of run_cases.
+      logical, intent(in) :: resume, force, verbose
       type(job_type), intent(inout), target :: job
       type(results_type), target :: results
       type(error_type), allocatable :: error
@@ -270,20 +273,27 @@ contains
       logical :: exists
 
       checkpoint = ''
+      if (force) then
+         call remove_checkpoint(job%path//'.partial', error)
+         if (allocated(error)) then
+            job%status = error%status
+            call complain(error%message, lines=.true.)
+            return
+         end if
+      end if
       if (resume) then
          inquire (file=job%path//'.partial', exist=exists)
          if (exists) checkpoint = job%path//'.partial'
-         if (.not. exists) write (output_unit, '(3a)') 'Nothing to resume: there is no ', escaped(job%path), &
-            '.partial; the run begins anew'
-         call hand_over()
+         if (.not. exists) call say('Nothing to resume: there is no '//escaped(job%path)//'.partial; the run begins anew'// &
+                                    new_line('a'))
       end if
       call begin_progress(progress, job%case, shown=alone, results=results, resumed=checkpoint /= '')
       call run_case(job%case, job%path, results, error, progress, checkpoint)
       if (allocated(error)) job%status = error%status
       !$omp critical (terminal)
       call progress%clear()
-      if (.not. alone) write (output_unit, '(2a)') escaped(name), ':'
-      call report(job, results, progress)
+      if (.not. alone) call say(escaped(name)//':'//new_line('a'))
+      call report(job, results, progress, verbose)
       if (allocated(error)) then
          if (index(error%message, ': error: ') == 0) then
             if (alone) error%message = 'geartrain: error: '//error%message
@@ -294,24 +304,47 @@ contains
       !$omp end critical (terminal)
    end subroutine run
 
-   subroutine report(job, results, progress)
+   !> Removes the checkpoint of a run that was killed; an error where the file is none, or cannot be removed.
+   subroutine remove_checkpoint(path, error)
+      character(*), intent(in) :: path
+      type(error_type), allocatable, intent(out) :: error
+      integer :: unit, failed
+
+      call check_replaceable(path, error)
+      if (allocated(error)) return
+      open (newunit=unit, file=path, status='old', iostat=failed)
+      if (failed == 0) close (unit, status='delete', iostat=failed)
+   end subroutine remove_checkpoint
+
+   subroutine report(job, results, progress, verbose)
       type(job_type), intent(in), target :: job
       type(results_type), intent(in), target :: results
-      type(progress_type), intent(inout) :: progress
+      type(progress_type), intent(in) :: progress
+      !> Whether the report has all details.
+      logical, intent(in) :: verbose
+      character(:), allocatable :: text, time, path
+
+      if (job%status /= 0 .and. .not. has_results(job%case, results)) return
+      path = ''
+      if (job%status == 0 .or. job%status == status_ended_early) path = escaped(job%path)
+      call time_text(job%case, results, progress%seconds, progress%branch_seconds, time)
+      call report_text(job%case, results, verbose, text, time, path)
+      call say(text)
+   end subroutine report
+
+   !> Whether any analysis has begun.
+   logical function has_results(case, results)
+      type(case_type), intent(in), target :: case
+      type(results_type), intent(in), target :: results
       class(analysis_type), allocatable :: analysis
       integer :: i
 
-      call progress%report_modes()
+      has_results = .false.
       do i = 1, size(analyses)
-         if (analyses(i)%name == 'modes') cycle
-         call find_analysis(i, job%case, results, analysis)
-         if (analysis%begun) call analysis%report(job%case%train, output_unit, progress%seconds(i))
+         call find_analysis(i, case, results, analysis)
+         has_results = has_results .or. analysis%begun
       end do
-      if (allocated(results%branches) .and. allocated(job%case%response)) call report_branches(results%branches, &
-         job%case%response, job%case%train, output_unit, progress%branch_seconds)
-      if (job%status == 0 .or. job%status == status_ended_early) write (output_unit, '(2a)') 'Written: ', escaped(job%path)
-      call hand_over()
-   end subroutine report
+   end function has_results
 
    logical function asks_for_something(case)
       type(case_type), intent(in), target :: case

@@ -60,7 +60,7 @@ program main
    case ('audit')
       call audit_cases(asked%case_files, status)
    case default
-      call run_cases(asked%case_files, asked%output_file, asked%resume, status)
+      call run_cases(asked%case_files, asked%output_file, asked%resume, asked%force, asked%verbose, status)
    end select
    call leave(status)
 

@@ -18,6 +18,8 @@ module options
       option_type('', 'CASE.nml', 'run a case; the results go to CASE.h5'), &
       option_type('--output', 'CASE.nml --output FILE.h5', 'run a case; the results go to FILE.h5'), &
       option_type('--resume', 'CASE.nml --resume', 'go on with a run that was killed, from FILE.h5.partial'), &
+      option_type('--force', 'CASE.nml --force', 'remove FILE.h5.partial of a run that was killed, begin anew'), &
+      option_type('--verbose', 'CASE.nml --verbose', 'run a case; the report has all peaks, jumps and ranges'), &
       option_type('', 'A.nml B.nml ...', 'run several cases, as many at a time as there are threads'), &
       option_type('--new', '--new CASE.nml', 'write a commented case to begin with'), &
       option_type('--check', '--check CASE.nml ...', 'say what is wrong with cases, compute nothing'), &

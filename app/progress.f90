@@ -3,16 +3,22 @@
 module progress
    use, intrinsic :: iso_c_binding, only: c_int
    use, intrinsic :: iso_fortran_env, only: error_unit, int64
-   use geartrain, only: case_type, dp, observer_type, results_type, speed_text
-   use geartrain_analyses_analysis, only: analysis_type, spoken
+   use geartrain, only: case_type, dp, observer_type, results_type
+   use geartrain_analyses_analysis, only: spoken
    use geartrain_analyses_forecast, only: forecast_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
-   use geartrain_analyses_list, only: analyses, find_analysis, number_of
-   use geartrain_base_numbers, only: integer_text
-   use terminal, only: complain, hand_over, output_unit
+   use geartrain_analyses_list, only: analyses, number_of
+   use geartrain_base_numbers, only: counted, integer_text, significant
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_frequency_unit, only: hertz_per_lambda
+   use geartrain_model_train, only: train_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
+   use terminal, only: complain
    implicit none (type, external)
    private
    public :: progress_type, begin_progress
+
+   !> Most natural frequencies of the line on them.
+   integer, parameter :: most_modes = 8
 
    type, extends(observer_type) :: progress_type
       !> Whether it is told; in one line that is overwritten.
@@ -39,7 +45,7 @@ module progress
       procedure :: on_step
       procedure :: on_trouble
       procedure :: clear
-      procedure :: report_modes
+      procedure, private :: report_modes
       procedure, private :: report_forecast
    end type progress_type
 
@@ -133,7 +139,7 @@ contains
       if (number > 0) self%seconds(number) = self%seconds(number) + seconds
       if (analysis == 'branch') self%branch_seconds = self%branch_seconds + seconds
       if (.not. self%shown .or. .not. keep_going) return
-      if (associated(self%results)) call self%report_modes()
+      if (self%overwrites .or. now - self%begin > self%rate) call self%report_modes()
       call self%report_forecast(analysis, done, frequency_ratio)
       if (analysis == 'modes') return
       if (analysis == 'settling' .or. analysis == 'settling by time') then
@@ -149,12 +155,13 @@ contains
       if (analysis == 'random starts') steps = 'starts'
       if (analysis == 'settling') steps = 'periods'
       if (analysis == 'settling by time') steps = 'tooth periods'
-      line = analysis//': '//integer_text(done)//' '//trim(steps)
+      line = analysis//': '//counted(done, singular(steps), trim(steps))
       if (steps /= 'rows') then
          call self%told(number)%with_unit(self%told(number)%number(frequency_ratio), place)
          line = line//', '//place
       end if
-      if (analysis == 'settling' .or. analysis == 'settling by time') line = line//', '//integer_text(self%points)//' points done'
+      if (analysis == 'settling' .or. analysis == 'settling by time') &
+         line = line//', '//counted(self%points, 'point', 'points')//' done'
       if (self%overwrites) then
          write (error_unit, '(2a)', advance='no', iostat=status) to_line_start, line
          flush (error_unit, iostat=status)
@@ -178,23 +185,32 @@ contains
          call self%forecast%look(analysis, done, frequency_ratio, self%case, self%none, sentence)
       end if
       if (sentence == '') return
+      call self%report_modes()
       call self%clear()
       call complain(sentence)
    end subroutine report_forecast
 
-   !> Writes what is known of the speed and the natural frequencies, once.
+   !> Writes the natural frequencies once, before what may take long.
    subroutine report_modes(self)
       class(progress_type), intent(inout) :: self
-      class(analysis_type), allocatable :: analysis
-      character(:), allocatable :: text
+      type(train_type) :: plain
+      character(:), allocatable :: line
+      integer :: i
 
-      if (self%modes_told) return
+      if (self%modes_told .or. .not. associated(self%results)) return
+      if (.not. allocated(self%results%modes)) return
       self%modes_told = .true.
-      call speed_text(self%case%train, text)
-      if (text /= '') write (output_unit, '(a)') text
-      call find_analysis(number_of('modes'), self%case, self%results, analysis)
-      if (analysis%begun) call analysis%report(self%case%train, output_unit, 0.0_dp)
-      call hand_over()
+      if (.not. allocated(self%results%modes%natural_frequency)) return
+      call plain_train(self%case%train, plain)
+      associate (natural => self%results%modes%natural_frequency)
+         line = 'natural frequencies:'
+         do i = 1, min(size(natural), most_modes)
+            line = line//' '//significant(natural(i)*hertz_per_lambda(plain))
+         end do
+         if (size(natural) > most_modes) line = line//' ... '//significant(natural(size(natural))*hertz_per_lambda(plain))
+         call self%clear()
+         call complain(line//' Hz')
+      end associate
    end subroutine report_modes
 
    !> Number in the list of the analysis that an observer is told of, 0 where it is none: settling is that of time integration.
@@ -214,6 +230,14 @@ contains
          end do
       end select
    end function number_of_spoken
+
+   !> A word without the s of the plural at its end.
+   pure function singular(words) result(word)
+      character(*), intent(in) :: words
+      character(len_trim(words) - 1) :: word
+
+      word = words
+   end function singular
 
    subroutine clear(self)
       class(progress_type), intent(in) :: self

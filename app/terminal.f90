@@ -4,15 +4,12 @@
 !> exit status and not the end of cases that are still at work.
 module terminal
    use, intrinsic :: iso_c_binding, only: c_char, c_funloc, c_int, c_intptr_t, c_null_char, c_ptrdiff_t, c_size_t
-   use, intrinsic :: iso_fortran_env, only: standard_output => output_unit
    use geartrain_base_plain_text, only: escaped, escaped_lines
    implicit none (type, external)
    private
-   public :: output_unit, complain, hand_over, leave_at_once, output_lost, say, stand_firm, tell_of_interrupts
+   public :: complain, leave_at_once, output_lost, say, stand_firm, tell_of_interrupts
 
-   !> Where the text for standard output is put together: ready between `stand_firm` and the end.
-   integer, protected :: output_unit = standard_output
-   !> Some of it could not be handed over.
+   !> Some text for standard output could not be handed over.
    logical :: lost = .false.
 
    !> As Linux and macOS number them on x86 and ARM; and what C calls SIG_DFL and SIG_IGN.
@@ -90,40 +87,7 @@ contains
       ! writing to a pipe that nobody reads.
       before = c_signal(sigxfsz, sig_ign)
       before = c_signal(sigpipe, sig_ign)
-      call begin_text()
    end subroutine stand_firm
-
-   subroutine begin_text()
-      integer :: unit, status
-
-      open (newunit=unit, status='scratch', access='stream', form='formatted', iostat=status)
-      if (status == 0) output_unit = unit
-   end subroutine begin_text
-
-   !> Hands the text in `output_unit` over to standard output.
-   subroutine hand_over()
-      character(1024) :: part
-      character(:), allocatable :: text
-      integer :: length, status
-
-      if (output_unit == standard_output) then
-         flush (standard_output, iostat=status)
-         lost = lost .or. status /= 0
-         return
-      end if
-      text = ''
-      rewind (output_unit)
-      do
-         read (output_unit, '(a)', advance='no', size=length, iostat=status) part
-         text = text//part(:length)
-         if (is_iostat_eor(status)) text = text//new_line('a')
-         if (status /= 0 .and. .not. is_iostat_eor(status)) exit
-      end do
-      close (output_unit)
-      output_unit = standard_output
-      call begin_text()
-      call say(text)
-   end subroutine hand_over
 
    !> Writes lines to standard output at once, escaped: texts of results may contain anything.
    subroutine say(text)
@@ -166,7 +130,6 @@ contains
    !> Whether standard output did not take everything.
    logical function output_lost()
 
-      call hand_over()
       output_lost = lost
    end function output_lost
 

@@ -6,6 +6,7 @@ module geartrain_python_box
       locate_contact_edges, motion_type, onsets_of, results_type, special_point_type, status_input, version
    use geartrain_analyses_analysis, only: analysis_type
    use geartrain_analyses_audit_fields, only: visit_audit
+   use geartrain_analyses_dependencies, only: locate_edges
    use geartrain_analyses_list, only: find_analysis, number_of
    use geartrain_base_error, only: fatal, status_memory
    use geartrain_base_carry, only: carry
@@ -26,6 +27,7 @@ module geartrain_python_box
    use geartrain_model_train, only: train_type
    use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
+   use geartrain_run_report, only: report_text
    use geartrain_run_results, only: results_bytes, take_results, visit_results
    implicit none (type, external)
    private
@@ -112,7 +114,7 @@ contains
 
    !> A text of the box by its name, see `text_size`.
    subroutine get_text(box, name, text)
-      type(box_type), intent(in) :: box
+      type(box_type), intent(inout), target :: box
       character(*), intent(in) :: name
       character(:), allocatable, intent(out) :: text
       type(case_type) :: case
@@ -135,6 +137,9 @@ contains
          call warnings_text(box%case%train, text)
       case ('audit')
          call audit_text(box%audit, box%case%train, box%case%response%unit, text)
+      case ('report', 'verbose report')
+         call locate_edges(box%case, box%results)
+         call report_text(box%case, box%results, name == 'verbose report', text)
       case ('fields')
          call list_fields(box%fields, text)
       end select

@@ -23,6 +23,7 @@ program main
    use unit_flow, only: flow_tests
    use unit_long_period, only: long_period_tests
    use unit_basins, only: basins_tests
+   use unit_report, only: report_tests
    use unit_section_map, only: section_map_tests
    use unit_drawing, only: drawing_tests
    use unit_mesh, only: mesh_tests
@@ -76,6 +77,7 @@ program main
                    suite_type('unit_elimination', elimination_tests), &
                    suite_type('unit_flow', flow_tests), &
                    suite_type('unit_long_period', long_period_tests), &
+                   suite_type('unit_report', report_tests), &
                    suite_type('unit_section_map', section_map_tests), &
                    suite_type('unit_basins', basins_tests), &
                    suite_type('unit_drawing', drawing_tests), &

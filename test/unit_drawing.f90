@@ -2,7 +2,8 @@
 module unit_drawing
    use geartrain, only: branch_type, case_type, dp, error_type, explanation_text, read_case_text, response, &
       response_settings_type, train_type, warnings_text
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, in_width, length_unit
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
+   use geartrain_report_length_text, only: length_text, length_text_type
    use geartrain_base_kinds, only: pi
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_frequency_unit, only: lambda_per
@@ -265,12 +266,15 @@ contains
       class(tests_type), intent(inout) :: tests
       type(train_type) :: train
       type(frequency_text_type) :: told
+      type(length_text_type) :: lengths
       character(:), allocatable :: text
 
       call read(first//second, train, text)
       told = frequency_text(train, 'Lambda', 1500.0_dp)
       call tests%is_text(trim(told%unit), 'rpm', 'Lambda is the speed')
-      call tests%is_text(trim(told%number(1500.126_dp)), '1500.13', 'two digits')
+      call tests%is_text(trim(told%number(1500.126_dp)), '1500', 'four digits')
+      told = frequency_text(train, 'Lambda', 1500.0_dp, 1450.0_dp)
+      call tests%is_text(trim(told%number(1500.126_dp)), '1500.1', 'five of a narrow range')
       call told%of_words('from Lambda = 1450.5: closed; from Lambda = 0.5 to 1600; left the range', text)
       call tests%is_text(text, 'from 1450.5 rpm: closed; from 0.5 to 1600 rpm; left the range', 'numbers in words')
       call told%of_words('step below 1e-9 at Lambda = 1.5e-4.', text)
@@ -280,7 +284,9 @@ contains
       call tests%is_text(text, 'reached 8.098592 Hz', '1500/60 times 23/71')
       call tests%is_text(in_width(told%number(1500.0_dp), 9), '   8.0986', 'a column')
       call tests%is_text(in_width('123456789', 9), ' 123456789', 'a column that is too narrow')
-      call tests%is_text(trim(length_unit(train)), ' [um]', 'lengths are in um')
+      lengths = length_text(train)
+      call tests%is_text(trim(lengths%name), 'true rms [um]', 'lengths are in um')
+      call tests%is_text(trim(lengths%rms(sqrt(2.0_dp))), '1', 'the paper has sqrt(2) times the root mean square')
       train%characteristic_frequency = 1000
       train%characteristic_length = 1e-5_dp
       told = frequency_text(train, 'Lambda', 0.0_dp)
@@ -288,7 +294,8 @@ contains
       call tests%is_text(text, 'reached Lambda = 1.5', 'a Lambda of its own')
       call told%with_unit('1 to 2', text)
       call tests%is_text(text, 'Lambda 1 to 2', 'likewise a range')
-      call tests%is_text(trim(length_unit(train)), '', 'a length of its own')
+      lengths = length_text(train)
+      call tests%is_text(trim(lengths%name), 'rms of the paper', 'a length of its own')
    end subroutine words_in_a_unit
 
    !> Teeth that hunt and teeth that do not, what repeats, and the orders that a mesh excites.
@@ -306,7 +313,7 @@ contains
       call tests%is_true(index(text, 'fundamental_frequency     5.399061 Hz   (at 1000 rpm of motor') > 0, '1000/60 times 23/71')
       call read(replaced(first, 'teeth = 23, 71', 'teeth = 24, 72')//second, train, text)
       call explanation_text(train, text)
-      call tests%is_true(index(text, '24:72, not hunting: common divisor 24, a tooth meets every 24th tooth of the mate alone; two &
+      call tests%is_true(index(text, '24:72, not hunting: common divisor 24, a tooth meets only every 24th tooth of the mate; two &
          &teeth meet again after 3 turns of the driving gear') > 0, 'three teeth of the wheel, each in its turn')
    end subroutine teeth_that_meet
 
@@ -345,8 +352,8 @@ contains
       call told(', tip_diameter = 0.0605, 0.1845', 'teeth = 23, 71: must give a transverse contact ratio > 1: it is')
       call told(', half_backlash = 1e-5', 'backlash = 6.0e-5: contradicts half_backlash, along the line of action: leave out one &
                 &of the two')
-      call told(', driving_radius = 0.03', 'driving_radius = 0.03: contradicts teeth: with the other radius 0.085979 m the ratio &
-                &must be 23/71')
+      call told(', driving_radius = 0.03', 'driving_radius = 0.03: contradicts teeth and normal_module, by which it is 0.027852 m: &
+                &leave it out')
       call told(', bore = 0.01', 'bore = 1 values: must be 2 values')
 
    contains

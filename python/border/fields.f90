@@ -1,9 +1,9 @@
 ! Results over the border, out and in, as fields by name: whatever a type of result has, these routines carry.
 
 ! Number of bytes of a text of the box: 'message', 'case' (the resolved namelist), 'version', 'audit' (its table), 'explanation' and
-! 'warnings' (of the train), or 'fields': the fields that the box shows, a line each: path of the group, name, kind (r, i, l or t),
-! bytes of a text, extents in the order of memory, dimensions in the reverse order, unit and description, parted by tabs. An
-! attribute has no dimensions.
+! 'warnings' (of the train), 'report' and 'verbose report' (of the results), or 'fields': the fields that the box shows, a line
+! each: path of the group, name, kind (r, i, l or t), bytes of a text, extents in the order of memory, dimensions in the reverse
+! order, unit and description, parted by tabs. An attribute has no dimensions.
 subroutine text_size(handle, name, bytes)
    use geartrain_python_box, only: box_type, box_of, get_text
    implicit none

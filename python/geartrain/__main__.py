@@ -8,6 +8,7 @@ import sys
 import sysconfig
 from collections.abc import Sequence
 from importlib.util import find_spec
+from pathlib import Path
 
 import geartrain
 
@@ -36,13 +37,15 @@ Packages that some calls need
 Documentation: docs/ of the sources; scripts/site makes a site of it.
 """
 
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit status: that of the executable; 0 without arguments; 2 where there is no executable to take them."""
     words = sys.argv[1:] if arguments is None else list(arguments)
-    path = os.pathsep.join([sysconfig.get_path("scripts"), os.environ.get("PATH", os.defpath)])
+    path = os.pathsep.join([sysconfig.get_path("scripts"), *_of_clone(), os.environ.get("PATH", os.defpath)])
     executable = shutil.which("geartrain", path=path)
     if words and executable is None:
-        print("geartrain: error: the executable geartrain is not on PATH; the sources build it: fpm install", file=sys.stderr)
+        print("geartrain: error: there is no executable geartrain, neither on PATH nor in build/release of a clone; the sources "
+              "build it: scripts/setup", file=sys.stderr)
         return 2
     if words and executable is not None:
         sys.stdout.flush()
@@ -51,8 +54,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _of_clone() -> list[str]:
+    """Where a clone has the executable: beside its environment `.venv`, or the sources that this package is run from."""
+    roots = [Path(sys.prefix).parent, Path(__file__).resolve().parents[2]]
+    return [str(root / "build" / "release") for root in roots if (root / "fpm.toml").is_file()]
+
+
 def _told(executable: str | None) -> str:
-    found = f"found: {executable}" if executable else "not found on PATH; the sources build it: fpm install"
+    found = f"found: {executable}" if executable else "not found; the sources build it: scripts/setup"
     packages = "".join(f"   {name:<12}{'there' if find_spec(name) else cure(name)}\n" for name in OPTIONAL)
     return _TOLD.format(version=geartrain.__version__, executable=found, packages=packages)
 

@@ -134,6 +134,10 @@ class Box:
         size = fortran.text_size(self.handle, name)
         return fortran.copy_text(self._handle, size).tobytes().decode(errors="replace") if size else ""
 
+    def report(self, verbose: bool) -> str:
+        """The report of the box's case and results, without a newline at the end."""
+        return self.text("verbose report" if verbose else "report").rstrip("\n")
+
     # ------------------------------------------------------------------------------------------------- out
 
     def show(self, what: str = "results") -> dict[str, Group]:

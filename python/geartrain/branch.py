@@ -142,8 +142,28 @@ class Branch(Curves):
     def __len__(self) -> int:
         return len(self.frequency)
 
+    def __str__(self) -> str:
+        return self.report()
+
     def __repr__(self) -> str:
-        return f"<Branch of {len(self)} points: {in_own_unit(self.ended, self.train)}>"
+        return f"<Branch of {len(self)} {'point' if len(self) == 1 else 'points'}: {in_own_unit(self.ended, self.train)}>"
+
+    def report(self, *, verbose: bool = False) -> str:
+        """The report that the executable prints of this branch and its ``branches``: `str` of a branch is the same text.
+
+        Parameters
+        ----------
+        verbose : bool
+            Every peak, jump, special point and range, as with ``--verbose``.
+
+        Examples
+        --------
+        >>> print(branch.report().split("RESONANCES")[0])  # doctest: +SKIP
+        """
+        with self._box() as box:
+            for place, branch in enumerate(self.branches, 1):
+                branch._put(box, place)
+            return box.report(verbose)
 
     def at(self, frequency: float, *, unit: Unit = "Lambda") -> list[Motion]:
         """Every solution of this branch at exactly that frequency, in their order along the branch.

@@ -79,6 +79,20 @@ class Results:
         told += [self.ended] if self.ended else []
         return "\n   ".join(told) + ">"
 
+    def __str__(self) -> str:
+        return self.report()
+
+    def report(self, *, verbose: bool = False) -> str:
+        """The report that the executable prints, without the time of the run and the file; `str` of results is the same text.
+
+        Parameters
+        ----------
+        verbose : bool
+            Every peak, jump, special point and range, as with ``--verbose``.
+        """
+        with self._filled() as box:
+            return box.report(verbose)
+
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the HDF5 file that the executable writes; `read_results` gives the results back.
 
@@ -90,14 +104,19 @@ class Results:
         ------
         OSError
         """
-        with Box(self.text) as box:
-            for name in ANALYSES:
-                result = getattr(self, name, None)
-                if result is not None:
-                    result._put(box)
-            for place, branch in enumerate(self.branches, 1):
-                branch._put(box, place)
+        with self._filled() as box:
             box.write(path)
+
+    def _filled(self) -> Box:
+        """A box with the case and all results."""
+        box = Box(self.text)
+        for name in ANALYSES:
+            result = getattr(self, name, None)
+            if result is not None:
+                result._put(box)
+        for place, branch in enumerate(self.branches, 1):
+            branch._put(box, place)
+        return box
 
     def page(self, path: str | os.PathLike[str] | None = None, *, compare: Any = None) -> Page:
         """The results as a page for a browser, as `geartrain.page` gives it; needs plotly.

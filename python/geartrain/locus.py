@@ -13,7 +13,7 @@ from ._box import Box, Group
 from ._draw import draws, new_axes
 from ._table import Table
 from ._text_table import Rows
-from ._units import Unit, in_own_unit, units_of
+from ._units import Unit, in_own_unit, own_lambda, speed_of, units_of
 from .description import Description
 from .errors import InputError, shown
 
@@ -46,19 +46,27 @@ class LocusPoint:
         In the unit of the parameter.
     point : int
         Index of the curve's point before it.
+    speed : float or None
+        In rpm, where every mesh has teeth.
     """
 
     kind: str
     frequency: float
     parameter: float
     point: int
+    speed: float | None = None
 
 
 class LocusPoints(Rows[LocusPoint]):
     """Points of a curve at which two conditions meet: a list that is printed as a table."""
 
     def _table(self) -> Mapping[str, Sequence[Any]]:
-        return {name: [getattr(point, name) for point in self] for name in ("kind", "frequency", "parameter")}
+        return {
+            "kind": [point.kind for point in self],
+            "speed [rpm]": [point.speed for point in self],
+            "Lambda": [own_lambda(point.frequency, point.speed) for point in self],
+            "parameter": [point.parameter for point in self],
+        }
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,7 +136,7 @@ class Locus(Table):
             return None
         rows = box.results().get(_SPECIAL, Group()).rows("kind", "frequency", "parameter", "after_point")
         return replace(found, kind=found.kind.strip(), special_points=LocusPoints(
-            LocusPoint(kind.strip(), float(frequency), float(parameter), int(point) - 1)
+            LocusPoint(kind.strip(), float(frequency), float(parameter), int(point) - 1, speed_of(train, float(frequency)))
             for kind, frequency, parameter, point in rows
         ))
 

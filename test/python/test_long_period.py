@@ -263,8 +263,8 @@ def test_a_short_run_forecasts_nothing(executable, tmp_path):
 def test_natural_frequencies_come_at_once(executable, tmp_path):
     """Before the first start of a search, which takes longer."""
     case = write(tmp_path, f"&modes /\n&attractors frequency = {AT}, starts = 100000, long_period = .true. /\n")
-    told, seconds = first_lines(executable, case, 20.0, "Natural frequencies")
-    assert "Natural frequencies" in told and seconds < 2.0, told
+    told, seconds = first_lines(executable, case, 20.0, "natural frequencies")
+    assert "natural frequencies" in told and seconds < 2.0, told
 
 
 def test_python_shows_the_forecast(train, monkeypatch, capsys):

@@ -114,4 +114,4 @@ def test_a_checkpoint_that_cannot_be_written_is_told(executable, tmp_path):
     assert len(told) == 1 and "out.h5.partial: error: cannot be written: " in told[0], done
     assert told[0].endswith("; the run goes on without this checkpoint")
     assert "out.h5: error: cannot be written: " in done.stderr.splitlines()[-1]
-    assert re.search(r"Response: \d{4,} points", done.stdout), done
+    assert re.search(r"^Response: .* \d{4,} motions", done.stdout, re.MULTILINE), done

@@ -73,7 +73,7 @@ def test_case_file_executable_and_python_agree(executable, tmp_path, train, char
         done = subprocess.run(
             command, check=True, capture_output=True, text=True, env={**os.environ, "OMP_NUM_THREADS": threads}
         )
-        assert "Stability map: 3 values of 10 frequencies each" in done.stdout
+        assert "Stability map: 3 values of stiffness_variation with 10 frequencies each" in done.stdout
     results = gt.read_case(case).run()
     results.write(tmp_path / "python.h5")
     with h5py.File(tmp_path / "1.h5") as one, h5py.File(tmp_path / "3.h5") as three, h5py.File(tmp_path / "python.h5") as mine:

@@ -5,13 +5,14 @@ module geartrain_analyses_analysis
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_fields, only: fields_type
-   use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
    use geartrain_model_train, only: train_type
+   use geartrain_report_sheet, only: sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
-   public :: analysis_type, fixed, group_row_type, spoken
+   public :: analysis_type, group_row_type, spoken
 
    !> A group of a case file: of an analysis also the group of the results file and the name by which Python runs it.
    type :: group_row_type
@@ -90,17 +91,17 @@ module geartrain_analyses_analysis
          logical, intent(in) :: summary
       end subroutine visit_fields_interface
 
-      !> Writes the lines about the result that the executable prints.
-      subroutine report_interface(self, train, unit, seconds)
-         import :: analysis_type, dp, train_type
+      !> Adds the sections on the result to a report.
+      subroutine report_interface(self, train, sheet, torques)
+         import :: analysis_type, sheet_type, torque_table_type, train_type
          implicit none (type, external)
          class(analysis_type), intent(in) :: self
          !> The train of the case.
          type(train_type), intent(in) :: train
-         !> An open unit for formatted text.
-         integer, intent(in) :: unit
-         !> Time that the analysis took [s].
-         real(dp), intent(in) :: seconds
+         !> The report.
+         type(sheet_type), intent(inout) :: sheet
+         !> Torques of the shafts over all motions so far.
+         type(torque_table_type), intent(inout) :: torques
       end subroutine report_interface
    end interface
 
@@ -153,28 +154,5 @@ contains
          if (words(i:i) == '_') words(i:i) = ' '
       end do
    end function spoken
-
-   !> A number as text of a report, with blanks at the end. Unlike f0.d the text has the zero before the point.
-   pure function padded(value, decimals) result(text)
-      real(dp), intent(in) :: value
-      integer, intent(in) :: decimals
-      character(32) :: text
-      character(8) :: form
-
-      write (form, '(a, i0, a)') '(f24.', decimals, ')'
-      write (text, form) value
-      text = adjustl(text)
-   end function padded
-
-   !> A number as text of a report.
-   pure function fixed(value, decimals) result(text)
-      !> The number.
-      real(dp), intent(in) :: value
-      !> Digits after the point.
-      integer, intent(in) :: decimals
-      character(len_trim(padded(value, decimals))) :: text
-
-      text = padded(value, decimals)
-   end function fixed
 
 end module geartrain_analyses_analysis

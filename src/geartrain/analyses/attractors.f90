@@ -1,8 +1,7 @@
 !> The analysis &attractors: the steady motions that random starts settle on at one frequency, and the share of each. Motions
 !> without a period are kept where they are chaotic or quasi-periodic.
 module geartrain_analyses_attractors
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, length_unit
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_integration, only: most_harmonics
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_same_motion, only: is_same_motion
@@ -12,7 +11,7 @@ module geartrain_analyses_attractors
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: text
+   use geartrain_base_numbers, only: counted, fixed, significant, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_shared_observer, only: shared_observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
@@ -29,6 +28,10 @@ module geartrain_analyses_attractors
    use geartrain_model_long_period, only: check_long_period, visit_long_period
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
+   use geartrain_report_length_text, only: length_text, length_text_type
+   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
    public :: attractors, attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type, check_attractors, &
@@ -402,32 +405,39 @@ contains
       if (motion%period == 0) word_of = motion%kind
    end function word_of
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(attractors_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
       type(frequency_text_type) :: told
-      character(:), allocatable :: words
-      integer :: i
+      type(length_text_type) :: lengths
+      character(:), allocatable :: words, line
+      integer :: i, mesh
 
-      associate (found => self%result)
+      associate (found => self%result, unused => torques)
          told = frequency_text(train, self%settings%unit, 0.0_dp)
-         call told%of_words('Attractors at Lambda = '//fixed(found%frequency_ratio, 4), words)
-         write (unit, '(2a, i0, a, i0, 5a)') words, ': ', size(found%motions), &
-            ' from ', found%starts, ' starts in ', fixed(seconds, 2), ' s, ', fixed(100*found%unsettled, 1), ' % did not settle'
-         if (size(found%motions) > 0) write (unit, '(3a)') '    motion  period     share            rms', &
-            trim(length_unit(train)), ' of each mesh'
+         lengths = length_text(train)
+         call told%of_words('Attractors at Lambda = '//significant(found%frequency_ratio), words)
+         call sheet%say(in_result, words//': '//counted(size(found%motions), 'steady motion', 'steady motions')//' from '// &
+                        counted(found%starts, 'random start', 'random starts')//'; '//fixed(100*found%unsettled, 1)// &
+                        ' % did not settle.')
+         if (size(found%motions) > 0) call sheet%add(in_result, 'motion  period   share [%]  state           '// &
+                                                     trim(lengths%name)//' of each mesh')
          do i = 1, size(found%motions)
             associate (motion => found%motions(i))
-               write (unit, '(i10, i8, f8.1, a, 2x, a)', advance='no') i, motion%period, 100*motion%share, ' %', &
-                  word_of(motion)
-               write (unit, '(*(f12.5))') motion%rms
+               line = in_width(text(i), 6)//in_width(text(motion%period), 8)//in_width(fixed(100*motion%share, 1), 12)//'  '// &
+                      word_of(motion)
+               do mesh = 1, size(motion%rms)
+                  line = line//in_width(lengths%rms(motion%rms(mesh)), 11)
+               end do
+               call sheet%add(in_result, line)
             end associate
          end do
          if (.not. allocated(found%ended)) return
          call told%of_words(found%ended, words)
-         write (unit, '(2a)') '    ended: ', words
+         if (words /= 'all starts done' .or. sheet%verbose) &
+            call sheet%say(in_quality, 'The search for attractors ended: '//words//'.')
       end associate
    end subroutine report
 

@@ -1,9 +1,9 @@
 !> An audit as text: a table with a line for each row, and a line with the sums.
 module geartrain_analyses_audit_text
    use geartrain_analyses_audit_result, only: audit_row_type, audit_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type, in_width
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: text
+   use geartrain_base_numbers, only: counted, text
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -72,9 +72,9 @@ contains
 
       lines = lines//text(audit%as_estimated)//' of '//text(audit%points)//' as estimated, '
       if (audit%doubtful > 0) lines = lines//text(audit%doubtful)//' doubtful, '
-      lines = lines//text(audit%wrong_verdicts)//trim(merge(' verdict  ', ' verdicts ', audit%wrong_verdicts == 1))//' wrong'
+      lines = lines//counted(audit%wrong_verdicts, 'verdict', 'verdicts')//' wrong'
       if (audit%special_points > 0) lines = lines//'; '//text(audit%confirmed)//' of '//text(audit%special_points)// &
-                                          ' special points confirmed'
+                                          trim(merge(' special point ', ' special points', audit%special_points == 1))//' confirmed'
       if (audit%cancelled) lines = lines//'; cancelled'
    end subroutine add_summary
 

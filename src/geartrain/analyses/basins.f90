@@ -6,18 +6,18 @@
 !> motions without period that are known (geartrain_flow_aperiodic), or else settled the long way, where it may find a further
 !> motion.
 module geartrain_analyses_basins
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type, collect, error_share
    use geartrain_analyses_basin_grid, only: basins_settings_type, basins_type, check_basins, not_done, ran_away, unsettled, &
       visit_basins
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_memory, only: need
-   use geartrain_base_numbers, only: text
+   use geartrain_base_numbers, only: fixed, significant, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_shared_observer, only: shared_observer_type
    use geartrain_base_variable, only: visitor_type
@@ -33,6 +33,8 @@ module geartrain_analyses_basins
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
    use geartrain_model_units, only: mesh_frequencies
+   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
    public :: basins, basins_analysis_type, basins_row
@@ -393,28 +395,33 @@ contains
       call self%result%visit(fields)
    end subroutine visit_fields
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(basins_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
       type(frequency_text_type) :: told
       character(:), allocatable :: words
+      character(80) :: line
       integer :: i
 
-      associate (found => self%result)
+      associate (found => self%result, unused => torques)
          told = frequency_text(train, self%settings%unit, 0.0_dp)
-         call told%of_words('Basins at Lambda = '//fixed(found%frequency_ratio, 4), words)
-         write (unit, '(2a, i0, a, i0, 7a)') words, ': ', size(found%displacement), ' x ', size(found%velocity), ' starts in ', &
-            fixed(seconds, 2), ' s, ', fixed(100*found%unsettled, 1), ' % did not settle, ', fixed(100*found%unbounded, 1), &
-            ' % grew without bound'
-         if (size(found%motions) > 0) write (unit, '(a)') '    motion  period   of the grid   of random starts'
+         call told%of_words('Basins at Lambda = '//significant(found%frequency_ratio), words)
+         call sheet%say(in_result, words//': '//text(size(found%displacement))//' x '//text(size(found%velocity))//' starts; '// &
+                        fixed(100*found%unsettled, 1)//' % did not settle, '//fixed(100*found%unbounded, 1)// &
+                        ' % grew without bound.')
+         if (size(found%motions) > 0) call sheet%add(in_result, 'motion  period   of the grid   of random starts')
          do i = 1, size(found%motions)
             if (.not. allocated(found%grid_share)) exit
-            write (unit, '(i10, i8, 2(f9.2, a, f5.2, a))') i, found%motions(i)%period, 100*found%grid_share(i), ' +-', &
+            write (line, '(i6, i8, 2(f9.2, a, f5.2, a))') i, found%motions(i)%period, 100*found%grid_share(i), ' +-', &
                100*found%grid_share_error(i), ' %', 100*found%motions(i)%share, ' +-', 100*found%share_error(i), ' %'
+            call sheet%add(in_result, line)
          end do
-         if (allocated(found%ended)) write (unit, '(2a)') '    ended: ', found%ended
+         if (.not. allocated(found%ended)) return
+         call told%of_words(found%ended, words)
+         if (words /= 'all starts done' .or. sheet%verbose) &
+            call sheet%say(in_quality, 'The basins ended: '//words//'.')
       end associate
    end subroutine report
 

@@ -2,8 +2,8 @@
 !> Lyapunov exponents and its rotation number, each frequency begun with the last state of the frequency before.
 module geartrain_analyses_bifurcation_diagram
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -12,7 +12,7 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_memory, only: need
-   use geartrain_base_numbers, only: integer_text, text
+   use geartrain_base_numbers, only: counted, integer_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
@@ -24,6 +24,8 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_model_long_period, only: check_long_period, visit_long_period
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
    public :: bifurcation_diagram, bifurcation_diagram_analysis_type, bifurcation_diagram_row, bifurcation_diagram_settings_type, &
@@ -363,11 +365,11 @@ contains
       end associate
    end subroutine visit_fields
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(bifurcation_diagram_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
       type(frequency_text_type) :: told
       character(14), parameter :: kinds(6) = [character(14) :: 'periodic', 'quasi-periodic', 'chaotic', 'still settling', &
                                               'undecided', 'unbounded']
@@ -375,14 +377,16 @@ contains
       integer :: i
 
       told = frequency_text(train, self%settings%unit, 0.0_dp)
-      associate (found => self%result)
-         write (unit, '(a, i0, 3a)') 'Bifurcation diagram: ', size(found%kind), ' points in ', fixed(seconds, 2), ' s'
+      associate (found => self%result, unused => torques)
+         words = 'Bifurcation diagram: '//counted(size(found%kind), 'motion', 'motions')
          do i = 1, size(kinds)
-            if (any(found%kind == kinds(i))) write (unit, '(4x, 2a, i0)') kinds(i), ' ', count(found%kind == kinds(i))
+            if (any(found%kind == kinds(i))) words = words//', '//text(count(found%kind == kinds(i)))//' '//trim(kinds(i))
          end do
+         call sheet%say(in_result, words//'.')
          if (.not. allocated(found%ended)) return
          call told%of_words(found%ended, words)
-         write (unit, '(2a)') '    ended: ', words
+         if (words /= 'all points done' .or. sheet%verbose) &
+            call sheet%say(in_quality, 'The bifurcation diagram ended: '//words//'.')
       end associate
    end subroutine report
 

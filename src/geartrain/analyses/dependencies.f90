@@ -2,7 +2,7 @@
 !> are refined and the edges of contact are located.
 module geartrain_analyses_dependencies
    use geartrain_analyses_attractor_branches, only: follow_attractors
-   use geartrain_analyses_frequency_text, only: frequency_text_type, text_for
+   use geartrain_report_frequency_text, only: frequency_text_type, text_for
    use geartrain_analyses_list, only: analyses, case_type, leave_out, results_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type

@@ -3,7 +3,7 @@ module geartrain_analyses_forecast
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: integer_text
+   use geartrain_base_numbers, only: counted, integer_text
    use geartrain_continuation_branch, only: branch_type
    use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_long_period, only: describe_period, long_period
@@ -248,6 +248,7 @@ contains
       type(results_type), intent(in) :: results
       character(:), allocatable, intent(out) :: words
       character(:), allocatable :: period
+      character(5) :: steps
       real(dp) :: share
       integer :: cycles, all
 
@@ -256,8 +257,9 @@ contains
       if (cycles > long_period) words = '; '//period
       all = max(all_steps(self%analysis, case), merge(self%audit_rows, 0, self%analysis == 'audit'))
       if (all > 0) then
-         words = words//'; '//integer_text(all)//' '//trim(merge('rows  ', 'points', self%analysis == 'basins' .or. &
-                 self%analysis == 'stability map' .or. self%analysis == 'audit'))//' of '//trim(duration_text(whole/all))
+         steps = merge('row  ', 'point', self%analysis == 'basins' .or. self%analysis == 'stability map' .or. &
+                       self%analysis == 'audit')
+         words = words//'; '//counted(all, trim(steps), trim(steps)//'s')//' of '//trim(duration_text(whole/all))
       end if
       if (self%analysis == 'response' .and. allocated(results%response)) then
          share = min(1.0_dp, (results%response%verdict_seconds - self%verdicts_before)/elapsed)

@@ -1,12 +1,8 @@
 !> The analysis &integration: time integration to steady motions over a range of frequencies, a sweep, in which each frequency
 !> begins with the last state of the frequency before; and to a steady motion at one frequency.
 module geartrain_analyses_integration
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
-   use geartrain_analyses_load_report, only: column_length, name_meshes, report_loads
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_steady_motion, only: check_start, find_steady, need_to_find
-   use geartrain_analyses_window_report, only: report_windows
-   use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -29,6 +25,9 @@ module geartrain_analyses_integration
    use geartrain_model_limits, only: check_frequency, check_harmonics
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_report_sweep, only: report_sweep
+   use geartrain_report_sheet, only: sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
    public :: check_integration, integrate, integration_analysis_type, integration_row, most_harmonics, sweep, &
@@ -374,42 +373,13 @@ contains
       if (fields%way == reading .and. .not. allocated(fields%wrong)) sweep%direction(:n) = direction
    end subroutine visit_sweep
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(integration_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
-      type(frequency_text_type) :: told
-      type(mesh_load_type) :: load(size(train%meshes), size(self%result%motions))
-      character(column_length) :: column(0:size(train%meshes))
-      character(:), allocatable :: ended
-      logical :: counts(size(self%result%motions))
-      integer :: settled, period, first, i
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
 
-      settled = count(self%result%motions%period > 0 .or. self%result%motions%kind == 'stationary')
-      write (unit, '(a, i0, 3a, i0, a, i0, a)') 'Integration: ', size(self%result%motions), ' points in ', &
-         fixed(seconds, 2), ' s, ', settled, ' settled, ', size(self%result%motions) - settled, ' did not'
-      do period = 1, maxval([0, self%result%motions%period])
-         if (any(self%result%motions%period == period)) write (unit, '(a, i0, a, i0)') '    of period ', period, ': ', &
-            count(self%result%motions%period == period)
-      end do
-      call report_windows(train, self%result%motions, unit)
-      told = frequency_text(train, self%settings%unit, maxval([0.0_dp, self%result%motions%frequency_ratio]))
-      counts = [(allocated(self%result%motions(i)%mesh_load), i=1, size(counts))]
-      if (any(counts)) then
-         do i = 1, size(counts)
-            if (counts(i)) load(:, i) = self%result%motions(i)%mesh_load
-         end do
-         call name_meshes(train, column, first)
-         call report_loads(load, self%result%motions%frequency_ratio, counts, [(.false., i=1, size(counts))], told, &
-                           column(:)(first:), trim(merge(', unsettled motions too', '                       ', &
-                                                         any(counts .and. self%result%motions%period == 0 .and. &
-                                                             self%result%motions%kind /= 'stationary')))// &
-                           trim(merge('                           ', ', those without bound apart', all(counts))), unit)
-      end if
-      if (.not. allocated(self%result%ended)) return
-      call told%of_words(self%result%ended, ended)
-      write (unit, '(2a)') '    ended: ', ended
+      call report_sweep(self%result%motions, self%result%ended, self%settings, train, sheet, torques)
    end subroutine report
 
 end module geartrain_analyses_integration

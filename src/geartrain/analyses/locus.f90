@@ -1,7 +1,7 @@
 !> The analysis &locus: the curve of a special point or contact onset over Lambda and a parameter of the train.
 module geartrain_analyses_locus
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -9,7 +9,7 @@ module geartrain_analyses_locus
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: text
+   use geartrain_base_numbers, only: counted, significant, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
@@ -23,6 +23,8 @@ module geartrain_analyses_locus
    use geartrain_model_long_period, only: describe_period
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_train, only: train_type
+   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
    public :: locus_analysis_type, locus_row, locus_settings_type
@@ -318,27 +320,29 @@ contains
       if (fields%way == reading) call move_alloc(list, locus%special_points)
    end subroutine visit_double_points
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(locus_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
       type(frequency_text_type) :: told
       character(:), allocatable :: words
       integer :: i
 
-      associate (locus => self%result)
+      associate (locus => self%result, unused => torques)
          if (.not. allocated(locus%ended)) return
-         told = frequency_text(train, self%settings%unit, maxval(locus%frequency_ratio))
-         call told%of_words(trim(locus%kind)//' at Lambda = '//text(locus%start_frequency), words)
-         write (unit, '(3a, i0, 3a)') 'Locus: ', words, ', ', size(locus%frequency_ratio), ' points in ', fixed(seconds, 2), ' s'
+         told = frequency_text(train, self%settings%unit, maxval([0.0_dp, locus%frequency_ratio]))
+         call told%of_words(trim(locus%kind)//' at Lambda = '//significant(locus%start_frequency), words)
+         call sheet%say(in_result, 'Locus of the '//words//' over '//trim(locus%name)//': '// &
+                        counted(size(locus%frequency_ratio), 'point', 'points')//'.')
          do i = 1, size(locus%special_points)
             associate (special => locus%special_points(i))
-               call told%of_words(trim(special%kind)//' at Lambda = '//text(special%frequency_ratio), words)
-               write (unit, '(4a)') '    ', words, ', '//locus%name//' = ', text(special%parameter)
+               call told%of_words(trim(special%kind)//' at Lambda = '//significant(special%frequency_ratio), words)
+               call sheet%say(in_result, '  '//words//', '//locus%name//' = '//significant(special%parameter))
             end associate
          end do
-         write (unit, '(2a)') '    ended: ', locus%ended
+         call told%of_words(locus%ended, words)
+         call sheet%say(in_quality, 'The locus ended: '//words//'.')
       end associate
    end subroutine report
 

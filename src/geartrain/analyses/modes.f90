@@ -1,7 +1,6 @@
 !> The analysis &modes: natural frequencies, damping ratios and mode shapes of the mean system.
 module geartrain_analyses_modes
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry
    use geartrain_base_error, only: error_type
@@ -10,10 +9,11 @@ module geartrain_analyses_modes
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_frequency_unit, only: hertz_per_lambda
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_train, only: train_type
+   use geartrain_report_modes_table, only: put_modes
+   use geartrain_report_sheet, only: sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
    public :: modes_analysis_type, modes_row
@@ -105,38 +105,15 @@ contains
       end associate
    end subroutine visit_fields
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(modes_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
-      type(train_type) :: plain
-      type(frequency_text_type) :: told
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
 
-      call plain_train(train, plain)
-      told = frequency_text(train, 'Lambda', 0.0_dp)
-      if (told%unit == 'Lambda') call list('Natural frequencies, Lambda', self%result%natural_frequency, 4)
-      call list('Natural frequencies, Hz', self%result%natural_frequency*hertz_per_lambda(plain), 2)
-
-   contains
-
-      subroutine list(heading, values, decimals)
-         character(*), intent(in) :: heading
-         real(dp), intent(in) :: values(:)
-         integer, intent(in) :: decimals
-         character(:), allocatable :: line
-         integer :: i
-
-         write (unit, '(a)') heading
-         line = '  '
-         do i = 1, size(values)
-            line = line//'  '//fixed(values(i), decimals)
-            if (len(line) < 80 .and. i < size(values)) cycle
-            write (unit, '(a)') line
-            line = '  '
-         end do
-      end subroutine list
-
+      associate (unused => torques)
+      end associate
+      call put_modes(self%result, train, sheet)
    end subroutine report
 
 end module geartrain_analyses_modes

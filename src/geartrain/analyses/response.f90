@@ -1,8 +1,7 @@
 !> The analysis &response: the branch of periodic motions over frequency, which geartrain_continuation_response traces.
 module geartrain_analyses_response
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
-   use geartrain_analyses_branch_report, only: report_branch
-   use geartrain_analyses_frequency_text, only: frequency_text_type, text_for
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_report_frequency_text, only: frequency_text_type, text_for
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -18,6 +17,9 @@ module geartrain_analyses_response
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_network, only: state_count
    use geartrain_model_train, only: train_type
+   use geartrain_report_branch, only: report_branch
+   use geartrain_report_sheet, only: sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
    public :: response_analysis_type, response_row, visit_whole_branch
@@ -131,14 +133,13 @@ contains
       end if
    end subroutine visit_whole_branch
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(response_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
 
-      write (unit, '(a, i0, 3a)') 'Response: ', self%result%points, ' points in ', fixed(seconds, 2), ' s'
-      call report_branch(self%result, self%settings, train, unit, whole=.true.)
+      call report_branch(self%result, self%settings, train, sheet, torques)
    end subroutine report
 
 end module geartrain_analyses_response

@@ -1,7 +1,10 @@
 !> The analysis &run_up: Lambda goes linearly in time from one value to another, from the steady motion at the first value on.
 module geartrain_analyses_run_up
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
+   use geartrain_report_names, only: list_numbers, mesh_names, name_length, shaft_names
+   use geartrain_report_sheet, only: in_head, in_quality, in_result, in_run_up, sheet_type
+   use geartrain_report_torques, only: torque_table_type
    use geartrain_analyses_run_up_start, only: find_start, tell_start
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
@@ -10,7 +13,7 @@ module geartrain_analyses_run_up
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, reading
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: integer_text, real_text, text
+   use geartrain_base_numbers, only: counted, fixed, integer_text, real_text, significant, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
@@ -19,7 +22,6 @@ module geartrain_analyses_run_up
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
-   use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_model_limits, only: check_frequency
    use geartrain_model_rest, only: largest_residual
    use geartrain_model_system, only: build_system, system_type
@@ -295,91 +297,141 @@ contains
       end associate
    end subroutine visit_fields
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(run_up_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
-      character(label_length) :: meshes(size(train%meshes)), shafts(size(train%shafts))
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
+      character(name_length) :: names(max(size(train%meshes), size(train%shafts)))
       type(system_type) :: steady, system
       type(ramp_type) :: ramp
       type(frequency_text_type) :: told
-      character(:), allocatable :: ended
-      integer :: i, n
+      character(:), allocatable :: words
+      real(dp), allocatable :: at(:)
+      integer :: i, n, width
 
       call build_systems(train, self%settings, ramp, steady, system)
-      meshes = mesh_labels(train)
-      shafts = shaft_labels(train)
-      associate (result => self%result)
+      associate (result => self%result, unused => torques)
          n = result%windows
-         write (unit, '(2(a, i0), 3a)') 'Run-up: ', n, ' tooth periods of the slowest mesh, ', result%samples, ' samples, in ', &
-            fixed(seconds, 2), ' s'
-         do i = 1, merge(size(train%meshes), 0, n > 0)
-            call tell('force of '//trim(meshes(i)), result%force_minimum(i, :n), result%force_maximum(i, :n), 'N', &
-                      system%mesh_element(i), 1.0_dp)
-         end do
-         do i = 1, merge(size(train%shafts), 0, n > 0)
-            if (train%shafts(i)%rigid) cycle
-            associate (element => findloc(system%element_shaft, i, 1))
-               call tell('torque of '//trim(shafts(i)), result%torque_minimum(i, :n), result%torque_maximum(i, :n), 'N m', &
-                         element, system%network%elements(element)%radius(1))
-            end associate
-         end do
+         told = frequency_text(train, self%settings%unit, max(ramp%start, ramp%stop), min(ramp%start, ramp%stop))
+         call told%with_unit(text(ramp%start*told%per_lambda)//' to '//text(ramp%stop*told%per_lambda), words)
+         call sheet%add(in_head, 'Run-up: '//words//' in '// &
+                        significant(ramp%duration/system%characteristic_frequency)//' s, '//counted(n, 'tooth period', &
+                        'tooth periods')//' of the slowest mesh')
+         if (n > 0) then
+            at = ramp%start + ramp%acceleration*system%characteristic_frequency*result%window_time(:n)
+            width = max(maxval(len_trim(mesh_names(train))) + 3, maxval([0, len_trim(shaft_names(train))]) + 5)
+            call sheet%add(in_run_up, repeat(' ', width)//'     minimum  at '//told%unit(:8)//'   maximum  at '//told%unit)
+            names(:size(train%meshes)) = mesh_names(train)
+            do i = 1, size(train%meshes)
+               call put(trim(names(i))//', N', ' N', result%force_minimum(i, :n), result%force_maximum(i, :n), &
+                        system%mesh_element(i), 1.0_dp)
+            end do
+            names(:size(train%shafts)) = shaft_names(train)
+            do i = 1, size(train%shafts)
+               if (train%shafts(i)%rigid) cycle
+               associate (element => findloc(system%element_shaft, i, 1))
+                  call put(trim(names(i))//', N m', ' N m', result%torque_minimum(i, :n), result%torque_maximum(i, :n), element, &
+                           system%network%elements(element)%radius(1))
+               end associate
+            end do
+         end if
+         if (n > 0) call say_result()
          if (abs(ramp%acceleration) > 0 .and. .not. any(abs(system%network%acceleration) > 0)) &
-            write (unit, '(a)') '    without the acceleration of the inertias: not every mesh has teeth, which tell the speeds of &
-                                &the bodies'
-         call tell_negative()
-         if (.not. allocated(result%ended)) return
-         told = frequency_text(train, self%settings%unit, 0.0_dp)
-         call told%of_words(result%ended, ended)
-         write (unit, '(2a)') '    ended: ', ended
+            call sheet%say(in_run_up, 'Without the acceleration of the inertias: not every mesh has teeth, which give the speeds &
+                                      &of the bodies.')
+         call say_negative()
+         if (.not. allocated(result%ended)) then
+            call sheet%say(in_quality, 'The run-up is under way.')
+            return
+         end if
+         call told%of_words(result%ended, words)
+         if (.not. result%complete .or. scan(words, ';:,') > 0 .or. sheet%verbose) call sheet%say(in_quality, 'The run-up ended: ' &
+                                                                                                 //words//'.')
       end associate
 
    contains
 
-      !> Tells extremes, and the mean by the mean torques where the acceleration of the inertias changes it by more than 1 %.
-      subroutine tell(what, low, high, of, element, radius)
+      !> Adds extremes, and the mean by the mean torques where the acceleration of the inertias changes it by more than 1 %.
+      subroutine put(what, of, low, high, element, radius)
          character(*), intent(in) :: what, of
          real(dp), intent(in) :: low(:), high(:)
          integer, intent(in) :: element
          !> Radius of the force [m]; 1 for a force.
          real(dp), intent(in) :: radius
-         character(:), allocatable :: words
          real(dp) :: usual, mean
 
-         words = '    '//what//' from '//text(minval(low))//' to '//text(maxval(high))//' '//of
+         associate (at_low => told%number(at(minloc(low, 1))), at_high => told%number(at(maxloc(high, 1))))
+            call sheet%add(in_run_up, what//repeat(' ', width - len(what))//in_width(significant(minval(low)), 12)//'  '// &
+                           at_low(:11)//in_width(significant(maxval(high)), 12)//'  '//at_high)
+         end associate
          associate (scale => system%stiffness(element)*system%characteristic_length*radius)
             usual = scale*steady%static_force(element)
             mean = scale*system%static_force(element)
          end associate
-         if (abs(mean - usual) > worth_telling*abs(usual)) then
-            words = words//'; mean '//text(mean)//', without the acceleration of the inertias '//text(usual)
-            if (abs(mean - usual) < 10*abs(usual)) words = words//': '//fixed(100*(mean - usual)/abs(usual), 1)//' %'
-            if (mean*usual < 0) words = words//', the load is reversed'
-         end if
-         write (unit, '(a)') words
-      end subroutine tell
+         if (abs(mean - usual) <= worth_telling*abs(usual)) return
+         words = 'mean '//significant(mean)//of//', at constant speed '//significant(usual)//of
+         ! The change of the magnitude: a load on the coast flank is negative.
+         if (abs(mean - usual) < 10*abs(usual)) words = words//' ('//fixed(100*(abs(mean) - abs(usual))/abs(usual), 1)//' %)'
+         if (mean*usual < 0) words = words//', the load is reversed'
+         call sheet%say(in_run_up, '  '//words)
+      end subroutine put
 
-      !> Tells of forces below 0 of meshes whose back flanks do not touch, as far as the samples show.
-      subroutine tell_negative()
+      !> Adds sentences on the largest mesh force, and on what loses contact or changes sign.
+      subroutine say_result()
+         type(train_type) :: plain
+         logical :: lose(size(train%meshes)), reverse(size(train%shafts))
+         character(:), allocatable :: list, place
+         integer :: mesh, window, k
+
+         call plain_train(train, plain)
+         associate (result => self%result)
+            mesh = maxloc(maxval(max(abs(result%force_minimum(:, :n)), abs(result%force_maximum(:, :n))), 2), 1)
+            associate (force => max(abs(result%force_minimum(mesh, :n)), abs(result%force_maximum(mesh, :n))))
+               window = maxloc(force, 1)
+               call told%with_unit(told%number(at(window)), place)
+               words = 'Run-up: largest mesh force '//significant(force(window))//' N, mesh '//text(mesh)//' at '//place
+            end associate
+            associate (gap => plain%meshes%half_backlash/plain%characteristic_length)
+               lose = [(any(abs(result%displacement(k, :result%samples)) < gap(k)), k=1, size(lose))]
+            end associate
+            reverse = [(.not. train%shafts(k)%rigid .and. minval(result%torque_minimum(k, :n)) < 0 .and. &
+                        maxval(result%torque_maximum(k, :n)) > 0, k=1, size(reverse))]
+         end associate
+         call list_numbers(lose, 'mesh', 'meshes', list)
+         if (list == '') list = 'no mesh'
+         words = words//'; '//list//trim(merge(' loses', ' lose ', count(lose) < 2))//' contact'
+         call list_numbers(reverse, 'shaft', 'shafts', list)
+         if (list /= '') words = words//'; the torque of '//list//' changes sign'
+         call sheet%say(in_result, words//'.')
+      end subroutine say_result
+
+      !> Adds a sentence on forces against the load of meshes whose unloaded flanks do not touch, as far as the samples show.
+      subroutine say_negative()
          type(train_type) :: plain
          character(:), allocatable :: note
+         logical :: coasts
          integer :: i
 
          call plain_train(train, plain)
          associate (result => self%result, meshes => plain%meshes)
             do i = 1, merge(size(meshes), 0, n > 0)
-               if (meshes(i)%half_backlash <= 0 .or. minval(result%force_minimum(i, :n)) >= 0) cycle
-               if (minval(result%displacement(i, :result%samples))*plain%characteristic_length < -meshes(i)%half_backlash) cycle
+               coasts = steady%static_force(system%mesh_element(i)) < 0
+               if (meshes(i)%half_backlash <= 0) cycle
+               if (.not. coasts .and. minval(result%force_minimum(i, :n)) >= 0) cycle
+               if (coasts .and. maxval(result%force_maximum(i, :n)) <= 0) cycle
+               associate (p => result%displacement(i, :result%samples)*plain%characteristic_length, b => meshes(i)%half_backlash)
+                  if (.not. coasts .and. minval(p) < -b .or. coasts .and. maxval(p) > b) cycle
+               end associate
                note = ''
                if (meshes(i)%damping_acts == 'always') &
                   note = " and while they are apart; damping_acts = 'contact' in &mesh leaves out the latter"
-               write (unit, '(3a)') '    forces below 0 without contact of the back flanks are those of the mesh damping as teeth &
-                  &part', note
+               call sheet%say(in_run_up, 'Forces against the load without contact of the other flanks are those of the mesh &
+                              &damping as teeth part'//note//'.')
                return
             end do
          end associate
-      end subroutine tell_negative
+      end subroutine say_negative
 
    end subroutine report
 

@@ -5,8 +5,8 @@
 module geartrain_analyses_stability_map
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
-   use geartrain_analyses_analysis, only: analysis_type, fixed, group_row_type
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_stability_grid, only: check_consistency, check_stability_map, map_row_type, &
       stability_map_settings_type, stability_map_type, train_with, unit_of, visit_map, visit_stability_map
    use geartrain_balance_balance, only: balance_type
@@ -17,7 +17,7 @@ module geartrain_analyses_stability_map
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_memory, only: need
-   use geartrain_base_numbers, only: text
+   use geartrain_base_numbers, only: counted, fixed, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
    use geartrain_continuation_branch, only: branch_type, response_settings_type
@@ -31,6 +31,8 @@ module geartrain_analyses_stability_map
    use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
    public :: stability_map, stability_map_analysis_type, stability_map_row
@@ -106,33 +108,31 @@ contains
       call visit_map(self%result, self%settings, fields)
    end subroutine visit_fields
 
-   subroutine report(self, train, unit, seconds)
+   subroutine report(self, train, sheet, torques)
       class(stability_map_analysis_type), intent(in) :: self
       type(train_type), intent(in) :: train
-      integer, intent(in) :: unit
-      real(dp), intent(in) :: seconds
+      type(sheet_type), intent(inout) :: sheet
+      type(torque_table_type), intent(inout) :: torques
       type(frequency_text_type) :: told
+      character(:), allocatable :: words
       integer :: points
 
       told = frequency_text(train, self%settings%unit, 0.0_dp)
-      associate (map => self%result)
-         write (unit, '(a, 2(i0, a), 7a)') 'Stability map: ', size(map%parameter), ' values of ', size(map%frequency_ratio), &
-            ' frequencies each, ', map%name, ' and ', trim(told%unit), ', in ', fixed(seconds, 2), ' s'
+      associate (map => self%result, unused => torques)
+         words = 'Stability map: '//counted(size(map%parameter), 'value', 'values')//' of '//map%name//' with '// &
+                 counted(size(map%frequency_ratio), 'frequency', 'frequencies')//' each ('//trim(told%unit)//')'
          points = size(map%frequency_ratio)*count(map%done)
          if (points > 0) then
-            call report_share('no stable motion', count(map%stable_motions == 0), points, unit)
-            call report_share('several stable motions', count(map%stable_motions > 1), points, unit)
+            words = words//'; no stable motion on '//fixed(100*real(count(map%stable_motions == 0), dp)/points, 2)// &
+                    ' % of the map, several stable motions on '// &
+                    fixed(100*real(count(map%stable_motions > 1), dp)/points, 2)//' %'
          end if
-         if (allocated(map%ended)) write (unit, '(2a)') '    ended: ', map%ended
+         call sheet%say(in_result, words//'.')
+         if (.not. allocated(map%ended)) return
+         call told%of_words(map%ended, words)
+         call sheet%say(in_quality, 'The stability map ended: '//words//'.')
       end associate
    end subroutine report
-
-   subroutine report_share(what, points, of, unit)
-      character(*), intent(in) :: what
-      integer, intent(in) :: points, of, unit
-
-      if (points > 0) write (unit, '(6a)') '    ', what, ' on ', fixed(100*real(points, dp)/of, 2), ' % of the map'
-   end subroutine report_share
 
    !> Computes a stability map.
    subroutine stability_map(train, settings, map, error, observer)

@@ -9,7 +9,7 @@ module geartrain_base_numbers
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: real_text, integer_text, text
+   public :: counted, fixed, integer_text, ordinal, real_text, significant, text
 
    !> A number in a message: an integer, or a real to six digits.
    interface text
@@ -161,5 +161,90 @@ contains
 
       text = padded_integer(value)
    end function long_text
+
+   !> A number with blanks at the end. Unlike f0.d the text has the zero before the point, and no point at the end.
+   pure function padded_fixed(value, decimals) result(text)
+      real(dp), intent(in) :: value
+      integer, intent(in) :: decimals
+      character(32) :: text
+      character(8) :: form
+
+      write (form, '(a, i0, a)') '(f24.', decimals, ')'
+      write (text, form) value
+      text = adjustl(text)
+      if (decimals == 0) text = text(:len_trim(text) - 1)
+   end function padded_fixed
+
+   !> A number with a fixed number of digits after the point: '0.50'.
+   pure function fixed(value, decimals) result(text)
+      !> The number.
+      real(dp), intent(in) :: value
+      !> Digits after the point.
+      integer, intent(in) :: decimals
+      character(len_trim(padded_fixed(value, decimals))) :: text
+
+      text = padded_fixed(value, decimals)
+   end function fixed
+
+   pure function padded_significant(value) result(text)
+      real(dp), intent(in) :: value
+      character(longest) :: text
+      character(longest) :: buffer
+      real(dp) :: rounded
+      integer :: exponent, last
+
+      text = padded_real(value)
+      if (.not. (abs(value) > 0 .and. ieee_is_finite(value))) then
+         if (abs(value) <= 0) text = '0'
+         return
+      end if
+      write (buffer, '(es13.3e3)') value
+      read (buffer(index(buffer, 'E') + 1:), *) exponent
+      read (buffer, *) rounded
+      text = padded_real(rounded)
+      if (exponent < -4 .or. exponent > 8) return
+      text = padded_fixed(rounded, max(0, 3 - exponent))
+      if (exponent >= 3) return
+      last = verify(trim(text), '0', back=.true.)
+      if (text(last:last) == '.') last = last - 1
+      text = text(:last)
+   end function padded_significant
+
+   !> A result to four significant digits, without zeros at the end: '38810', '0.3656', '1.5'.
+   pure function significant(value) result(text)
+      !> Any number.
+      real(dp), intent(in) :: value
+      character(len_trim(padded_significant(value))) :: text
+
+      text = padded_significant(value)
+   end function significant
+
+   !> How many there are of something: '1 point', '0 points', '2 meshes'.
+   pure function counted(number, one, many) result(text)
+      !> The number.
+      integer, intent(in) :: number
+      !> The word for one, and the word for several.
+      character(*), intent(in) :: one, many
+      character(len_trim(padded_integer(int(number, int64))) + 1 + merge(len(one), len(many), number == 1)) :: text
+
+      if (number == 1) text = '1 '//one
+      if (number /= 1) text = trim(padded_integer(int(number, int64)))//' '//many
+   end function counted
+
+   !> A number of a series: '1st', '2nd', '3rd', '4th', '11th', '22nd'.
+   pure function ordinal(number) result(text)
+      !> The number, > 0.
+      integer, intent(in) :: number
+      character(len_trim(padded_integer(int(number, int64))) + 2) :: text
+      character(2) :: ending
+
+      ending = 'th'
+      if (mod(number/10, 10) /= 1) then
+         if (mod(number, 10) == 1) ending = 'st'
+         if (mod(number, 10) == 2) ending = 'nd'
+         if (mod(number, 10) == 3) ending = 'rd'
+      end if
+      text = trim(padded_integer(int(number, int64)))//ending
+   end function ordinal
 
 end module geartrain_base_numbers

@@ -7,7 +7,7 @@ module geartrain_continuation_contact_ranges
    use geartrain_continuation_summary, only: band_type, change
    implicit none (type, external)
    private
-   public :: separation_ranges, back_collision_ranges, depth_below
+   public :: back_collision_ranges, depth_below, drive_collision_ranges, separation_ranges
 
    real(dp), parameter :: none = huge(1.0_dp)
 
@@ -42,6 +42,21 @@ contains
       ranges = ranges_below_zero(branch, mesh, .true., stable_only)
    end function back_collision_ranges
 
+   !> Ranges of Lambda with p > b at some instant, ascending: where a mesh loaded on its coast flank hits its drive flank. Their
+   !> ends are interpolated between two points.
+   pure function drive_collision_ranges(branch, mesh, stable_only) result(ranges)
+      !> A branch.
+      type(branch_type), intent(in) :: branch
+      !> Number of the mesh.
+      integer, intent(in) :: mesh
+      !> Counts stable motions only; else all motions of the branch.
+      logical, intent(in) :: stable_only
+      !> Empty for a mesh without backlash.
+      type(band_type), allocatable :: ranges(:)
+
+      ranges = ranges_below_zero(branch, mesh, .true., stable_only, mirrored=.true.)
+   end function drive_collision_ranges
+
    !> Least distance of the displacement of a mesh from separation, or from a collision of the back flanks, over characteristic
    !> length [1]; negative where the mesh separates, or the back flanks collide.
    elemental real(dp) function depth_below(smallest, largest, half_backlash, back)
@@ -55,10 +70,12 @@ contains
    end function depth_below
 
    !> Union of the pieces of the branch on which depth_below of a mesh is negative.
-   pure function ranges_below_zero(branch, mesh, back, stable_only) result(ranges)
+   pure function ranges_below_zero(branch, mesh, back, stable_only, mirrored) result(ranges)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh
       logical, intent(in) :: back, stable_only
+      !> Present: of the other flank, whose edges are not located.
+      logical, intent(in), optional :: mirrored
       type(band_type), allocatable :: ranges(:)
       real(dp) :: from, to, edge, distance(branch%points), gap(branch%points)
       integer :: i
@@ -68,6 +85,7 @@ contains
       if (.not. any(gap > 0)) return
       associate (n => branch%points)
          distance = depth_below(branch%minimum(mesh, :n), branch%maximum(mesh, :n), gap, back)
+         if (present(mirrored)) distance = depth_below(-branch%maximum(mesh, :n), -branch%minimum(mesh, :n), gap, back)
          ! A mesh without backlash neither separates nor collides.
          where (.not. gap > 0) distance = max(distance, 0.0_dp)
       end associate
@@ -77,7 +95,8 @@ contains
          from = branch%frequency_ratio(i)
          to = branch%frequency_ratio(i + 1)
          if (distance(i)*distance(i + 1) < 0) then
-            edge = located_edge(branch, mesh, back, i)
+            edge = none
+            if (.not. present(mirrored)) edge = located_edge(branch, mesh, back, i)
             if (edge >= none) edge = crossing(branch, distance, i)
             if (distance(i) < 0) to = edge
             if (distance(i + 1) < 0) from = edge

@@ -2,7 +2,7 @@
 module geartrain_model_check_drawing
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: integer_text, real_text, text
+   use geartrain_base_numbers, only: integer_text, ordinal, real_text, text
    use geartrain_model_body, only: body_type
    use geartrain_model_drawing, only: has_discs, has_geometry, has_sections, pair_of
    use geartrain_model_gear_pair, only: find_geometry, pair_geometry_type
@@ -204,10 +204,17 @@ contains
          end if
          if (.not. all(radius > 0 .and. mesh%teeth > 0)) return
          if (abs(radius(1)/radius(2)*(mesh%teeth(2)/mesh%teeth(1)) - 1) <= rounding) return
-         call checker%complain(trim(merge('driving_radius', 'driven_radius ', abs(mesh%driving_radius) > 0)), &
-                               real_text(merge(radius(1), radius(2), abs(mesh%driving_radius) > 0)), 'contradicts teeth: with the &
-                               &other radius '//text(merge(radius(2), radius(1), abs(mesh%driving_radius) > 0))// &
-                               ' m the ratio must be '//integer_text(nint(mesh%teeth(1)))//'/'//integer_text(nint(mesh%teeth(2))))
+         if (abs(mesh%driving_radius) > 0 .and. abs(mesh%driven_radius) > 0) then
+            call checker%complain('driving_radius', real_text(radius(1)), 'contradicts teeth: with driven_radius = '// &
+                                  text(radius(2))//' m the ratio must be '//integer_text(nint(mesh%teeth(1)))//'/'// &
+                                  integer_text(nint(mesh%teeth(2))))
+         else if (abs(mesh%driving_radius) > 0) then
+            call checker%complain('driving_radius', real_text(radius(1)), 'contradicts teeth and normal_module, by which it is '// &
+                                  text(geometry%base_radius(1))//' m: leave it out')
+         else
+            call checker%complain('driven_radius', real_text(radius(2)), 'contradicts teeth and normal_module, by which it is '// &
+                                  text(geometry%base_radius(2))//' m: leave it out')
+         end if
       end subroutine check_ratio
 
       !> Values that belong to a gear pair with teeth and module have these.
@@ -275,7 +282,7 @@ contains
          else if (found%order(i) > most_order) then
             call checker%complain('teeth', integer_text(nint(train%meshes(i)%teeth(1)))//', '// &
                                   integer_text(nint(train%meshes(i)%teeth(2))), 'make the mesh frequency the '// &
-                                  integer_text(found%order(i))//'th multiple of the fundamental, at most '// &
+                                  ordinal(found%order(i))//' multiple of the fundamental, at most '// &
                                   integer_text(most_order)//' is allowed')
          end if
          call checker%leave()

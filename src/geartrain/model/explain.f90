@@ -6,7 +6,7 @@ module geartrain_model_explain
    use geartrain_base_field, only: field_type, text_type
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: integer_text, short => text
+   use geartrain_base_numbers, only: counted, integer_text, ordinal, short => text
    use geartrain_model_bodies, only: find_ends
    use geartrain_model_drawing, only: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, &
       reduce_light_loads
@@ -226,6 +226,8 @@ contains
       associate (mesh => context%given%meshes(i), plain => context%plain%meshes(i), g => geometry)
          list = [plain%driving_radius, plain%driven_radius]
          words = source(mesh%driving_radius, 'z m_t cos(alpha_t)/2, ISO 21771')
+         if (abs(mesh%driving_radius) > 0 .neqv. abs(mesh%driven_radius) > 0) words = 'that of the '// &
+            trim(merge('driving', 'driven ', abs(mesh%driving_radius) > 0))//' gear as given, the other by the drawing'
          call carry(fields, field_type('base_radius', 'gear', 'm', words), list)
          if (has_geometry(mesh)) then
             call find_geometry(pair_of(mesh), geometry)
@@ -337,10 +339,10 @@ contains
       if (common == 1) then
          words = words//', hunting: no common divisor, every tooth meets every tooth of the mate'
       else
-         words = words//', not hunting: common divisor '//integer_text(common)//', a tooth meets every '//integer_text(common) &
-                 //'th tooth of the mate alone'
+         words = words//', not hunting: common divisor '//integer_text(common)//', a tooth meets only every '//ordinal(common) &
+                 //' tooth of the mate'
       end if
-      words = words//'; two teeth meet again after '//integer_text(teeth(2)/common)//' turns of the driving gear'
+      words = words//'; two teeth meet again after '//counted(teeth(2)/common, 'turn', 'turns')//' of the driving gear'
    end subroutine tell_teeth
 
    !> 'as given' for a value that is, else the formula.

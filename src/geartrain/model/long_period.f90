@@ -5,7 +5,7 @@ module geartrain_model_long_period
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_input
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: integer_text
+   use geartrain_base_numbers, only: counted
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_kinematics, only: find_kinematics, kinematics_type
    use geartrain_model_limits, only: in_order
@@ -131,7 +131,7 @@ contains
       turns = plain%speed_ratio*periods/repeats
       if (turns > 0) then
          if (abs(turns - anint(turns)) > 1e-6_dp*turns) words = words//'about '
-         words = words//integer_text(nint(turns))//' turns of '
+         words = words//counted(nint(turns), 'turn', 'turns')//' of '
          call find_kinematics(train, kinematics)
          if (allocated(train%bodies) .and. kinematics%speed_body > 0) then
             words = words//train%bodies(kinematics%speed_body)%name
@@ -140,7 +140,7 @@ contains
          end if
          words = words//', '
       end if
-      words = words//integer_text(cycles)//' mesh cycles'
+      words = words//counted(cycles, 'mesh cycle', 'mesh cycles')
    end subroutine describe_period
 
 end module geartrain_model_long_period

@@ -139,8 +139,8 @@ contains
       type(error_type), allocatable, intent(inout) :: error
 
       if (exists(path)) call fatal(error, path//': error: a run that was killed, or that is still at work, keeps its results &
-                                   &there: go on with it (--resume), or remove or rename that file, or name another file with &
-                                   &--output')
+                                   &there: --resume goes on with it, --force removes it and begins anew, --output names another &
+                                   &file')
    end subroutine check_partial
 
    !> Reads the results so far of another run of the same case.

@@ -2,7 +2,7 @@
 module geartrain_run_run_case
    use geartrain_analyses_analysis, only: analysis_type, spoken
    use geartrain_analyses_dependencies, only: asks_refinement, follow_branches, locate_edges, refine_branches, take_known
-   use geartrain_analyses_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, leave_out, number_of, results_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input, status_memory

@@ -1,19 +1,20 @@
-!> Frequencies and lengths as a report tells them: in the unit that the case asks for, the speed in rpm where Lambda is the speed in
+!> Frequencies as a report states them: in the unit that the case asks for, the speed in rpm where Lambda is the speed in
 !> rpm. Of a branch over a parameter of the train the values of the parameter take the place of frequencies.
-module geartrain_analyses_frequency_text
-   use geartrain_analyses_analysis, only: fixed
+module geartrain_report_frequency_text
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: short => text
+   use geartrain_base_numbers, only: fixed, short => text
    use geartrain_continuation_branch, only: branch_type
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: lambda_per, speed_per_lambda
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: frequency_text_type, frequency_text, in_width, length_unit, text_for
+   public :: frequency_text_type, frequency_text, in_width, text_for
 
-   !> From here on numbers have two digits after the point, else four.
+   !> Lambda from here on has two digits after the point, else four.
    real(dp), parameter :: large = 1000
+   !> A range of rpm or Hz narrower than this share of its end has a digit more.
+   real(dp), parameter :: narrow = 0.2_dp
 
    type :: frequency_text_type
       !> Name of the parameter of the train; blank: frequencies are told.
@@ -25,6 +26,7 @@ module geartrain_analyses_frequency_text
       integer :: decimals = 4
    contains
       procedure :: number
+      procedure :: number_differs
       procedure :: with_unit
       procedure :: of_words
    end type frequency_text_type
@@ -32,14 +34,17 @@ module geartrain_analyses_frequency_text
 contains
 
    !> How the frequencies of an analysis are told.
-   pure type(frequency_text_type) function frequency_text(train, unit, largest) result(told)
+   pure type(frequency_text_type) function frequency_text(train, unit, largest, smallest) result(told)
       !> The train as given.
       type(train_type), intent(in) :: train
       !> The unit that the analysis is asked in.
       character(*), intent(in) :: unit
-      !> Largest Lambda to be told [1].
+      !> Largest Lambda to be told [1]; 0: not known.
       real(dp), intent(in) :: largest
+      !> Smallest Lambda to be told [1]; absent: 0.
+      real(dp), intent(in), optional :: smallest
       type(train_type) :: plain
+      real(dp) :: from
 
       told%unit = unit
       if (unit == 'Lambda') then
@@ -49,6 +54,12 @@ contains
          told%per_lambda = 1/lambda_per(train, unit)
       end if
       if (largest*told%per_lambda >= large) told%decimals = 2
+      if (told%unit == 'Lambda' .or. .not. largest > 0) return
+      ! Four digits, or five of a narrow range.
+      from = 0
+      if (present(smallest)) from = smallest
+      told%decimals = max(0, 3 - floor(log10(largest*told%per_lambda)))
+      if (largest - from < narrow*largest) told%decimals = told%decimals + 1
    end function frequency_text
 
    !> How the free parameter of a branch is told.
@@ -65,7 +76,9 @@ contains
          told%unit = branch%parameter_unit
          if (told%unit == '1') told%unit = 'value'
       else
-         told = frequency_text(train, unit, maxval([0.0_dp, branch%frequency_ratio(:branch%points)]))
+         associate (at => branch%frequency_ratio(:branch%points))
+            told = frequency_text(train, unit, maxval([0.0_dp, at]), minval([maxval([0.0_dp, at]), at]))
+         end associate
       end if
    end function text_for
 
@@ -86,6 +99,15 @@ contains
          text = short(rounded)
       end if
    end function number
+
+   !> Whether two frequencies differ in the digits printed.
+   elemental logical function number_differs(self, one, other)
+      class(frequency_text_type), intent(in) :: self
+      !> Lambda of each [1].
+      real(dp), intent(in) :: one, other
+
+      number_differs = self%number(one) /= self%number(other)
+   end function number_differs
 
    !> Numbers with their unit: 'Lambda 0.5', '1500 to 1600 rpm'.
    subroutine with_unit(self, numbers, text)
@@ -163,17 +185,4 @@ contains
       text = adjustr(repeat(' ', len(text) - len_trim(number))//trim(number))
    end function in_width
 
-   !> Unit of displacements over the characteristic length where it has a name, as the head of a column has it: ' [um]', ' [m]'.
-   pure function length_unit(train) result(unit)
-      !> The train as given.
-      type(train_type), intent(in) :: train
-      character(5) :: unit
-      type(train_type) :: plain
-
-      call plain_train(train, plain)
-      unit = ''
-      if (abs(plain%characteristic_length - 1e-6_dp) < 1e-18_dp) unit = ' [um]'
-      if (abs(plain%characteristic_length - 1) < 1e-12_dp) unit = ' [m]'
-   end function length_unit
-
-end module geartrain_analyses_frequency_text
+end module geartrain_report_frequency_text

@@ -1,39 +1,41 @@
 !> What a report tells of motions whose figures are those of a window: their kinds, what a longer window would change, and idle
 !> meshes that rattle.
-module geartrain_analyses_window_report
-   use geartrain_analyses_analysis, only: fixed
+module geartrain_report_windows
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: text
+   use geartrain_base_numbers, only: counted, significant, text
    use geartrain_flow_time_constants, only: negligible
-   use geartrain_model_labels, only: label_length, mesh_labels
    use geartrain_model_train, only: train_type
+   use geartrain_report_names, only: list_numbers
+   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
    implicit none (type, external)
    private
-   public :: report_windows
+   public :: say_windows
 
    character(*), parameter :: kinds(4) = [character(14) :: 'stationary', 'chaotic', 'still settling', 'undecided']
 
 contains
 
-   !> Writes some lines; none where no motion has a window.
-   subroutine report_windows(train, motions, unit)
+   !> Adds sentences; none where no motion has a window.
+   subroutine say_windows(train, motions, sheet)
       !> The train as given.
       type(train_type), intent(in) :: train
       !> The motions.
       type(motion_type), intent(in) :: motions(:)
-      !> Unit to write to.
-      integer, intent(in) :: unit
-      character(label_length) :: labels(size(train%meshes))
+      !> The report.
+      type(sheet_type), intent(inout) :: sheet
       logical :: windowed(size(motions)), rattles(size(train%meshes))
+      character(:), allocatable :: words
       real(dp) :: rms, force, ringing
-      integer :: i, j
+      integer :: i
 
       windowed = motions%window > 0 .and. [(allocated(motions(i)%mesh_load), i=1, size(motions))]
       if (.not. any(windowed)) return
+      words = ''
       do i = 1, size(kinds)
-         if (any(windowed .and. motions%kind == kinds(i))) write (unit, '(4a)') '    ', trim(kinds(i)), ', figures of a window: ', &
-            text(count(windowed .and. motions%kind == kinds(i)))
+         associate (number => count(windowed .and. motions%kind == kinds(i)))
+            if (number > 0) words = words//', '//text(number)//' '//trim(kinds(i))
+         end associate
       end do
       rms = 0
       force = 0
@@ -48,18 +50,18 @@ contains
             ringing = merge(-1.0_dp, max(ringing, motion%ringing), ringing < 0 .or. motion%ringing < 0)
          end associate
       end do
-      write (unit, '(5a)') '    a window ten times as long would change an rms by up to ', fixed(100*rms, 2), &
-         ' %, a largest force by up to ', fixed(100*force, 2), ' %'
+      if (words == '') words = ', '//counted(count(windowed), 'motion', 'motions')
+      call sheet%say(in_quality, 'Figures of a window of time:'//words(2:)//'; a window ten times as long would change an rms by &
+                     &up to '//significant(100*rms)//' %, a largest force by up to '//significant(100*force)//' %.')
       if (ringing < 0) then
-         write (unit, '(a)') '    whether free vibrations have died out is not known: a natural vibration is too slow to be read'
+         call sheet%say(in_quality, 'Whether free vibrations have died out is not known: a natural vibration is too slow to be &
+                        &seen.')
       else if (ringing > negligible) then
-         write (unit, '(3a)') '    slow free vibrations were left with up to ', fixed(100*ringing, 2), &
-            ' % of an alternating displacement'
+         call sheet%say(in_quality, 'Slow free vibrations were left, up to '//significant(100*ringing)// &
+                        ' % of an alternating displacement.')
       end if
-      labels = mesh_labels(train)
-      do j = 1, size(labels)
-         if (rattles(j)) write (unit, '(3a)') '    mesh ', trim(labels(j)), ' without a mean force rattles'
-      end do
-   end subroutine report_windows
+      call list_numbers(rattles, 'mesh', 'meshes', words)
+      if (words /= '') call sheet%say(in_result, 'Without a mean force, and rattling: '//words//'.')
+   end subroutine say_windows
 
-end module geartrain_analyses_window_report
+end module geartrain_report_windows

@@ -1,0 +1,145 @@
+!> What excites a train at an order of the fundamental: meshes by their harmonics, torques by bodies.
+module geartrain_report_sources
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_series, only: series_type
+   use geartrain_model_bodies, only: body_count
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_kinematics, only: find_kinematics, kinematics_type
+   use geartrain_model_labels, only: body_labels, label_length
+   use geartrain_model_system, only: build_system, system_type
+   use geartrain_model_train, only: train_type
+   use geartrain_report_names, only: list_numbers
+   implicit none (type, external)
+   private
+   public :: sources_type, find_sources
+
+   !> Amplitude below which a series does not excite, over the largest of the series [1].
+   real(dp), parameter :: least = 1e-9_dp
+
+   type :: sources_type
+      private
+      !> Order of the fundamental of each mesh; of the torque of each body, its revolution where it has a torque of that, (body).
+      integer, allocatable :: mesh_order(:), body_order(:)
+      !> Variation of the stiffness and transmission error, (mesh); torques, (torque), and their bodies.
+      type(series_type), allocatable :: variation(:), transmission_error(:), torque(:)
+      integer, allocatable :: torque_body(:)
+      !> Names of the bodies.
+      character(label_length), allocatable :: bodies(:)
+   contains
+      procedure :: name
+   end type sources_type
+
+contains
+
+   !> Lists what excites a train.
+   subroutine find_sources(train, sources)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      !> The sources.
+      type(sources_type), intent(out) :: sources
+      type(system_type) :: system
+      type(train_type) :: plain
+      type(kinematics_type) :: kinematics
+      integer :: j
+
+      call plain_train(train, plain)
+      call build_system(train, system)
+      call find_kinematics(train, kinematics)
+      sources%mesh_order = plain%meshes%order
+      allocate (sources%body_order(body_count(train)), source=0)
+      if (kinematics%known) sources%body_order = kinematics%revolution_order
+      sources%torque = system%torque
+      sources%torque_body = system%torque_body
+      sources%transmission_error = system%transmission_error
+      allocate (sources%variation(system%meshes))
+      do j = 1, system%meshes
+         sources%variation(j) = system%law(j)%variation()
+      end do
+      sources%bodies = body_labels(train)
+   end subroutine find_sources
+
+   !> What excites at an order: 'mesh 1', '2 x meshes 1, 2', '2 x revolution of engine'. Where nothing has this order itself, the
+   !> meshes whose tooth frequency is a divisor of it, as '2 x mesh 1 (by its nonlinearity)'.
+   subroutine name(self, order, words)
+      class(sources_type), intent(in) :: self
+      !> Order of the fundamental, of a motion of a longer period a fraction [1].
+      real(dp), intent(in) :: order
+      !> The words.
+      character(:), allocatable, intent(out) :: words
+      logical :: is_there(size(self%mesh_order))
+      integer :: whole, multiple, j, pass
+
+      whole = nint(order)
+      words = ''
+      if (abs(order - whole) > 1e-9_dp*order) then
+         words = 'subharmonic'
+         return
+      end if
+      do pass = 1, 2
+         if (pass == 2 .and. words /= '') return
+         do multiple = 1, whole
+            if (mod(whole, multiple) /= 0) cycle
+            do j = 1, size(is_there)
+               is_there(j) = self%mesh_order(j)*multiple == whole
+               if (is_there(j) .and. pass == 1) is_there(j) = excites(self%variation(j), whole) .or. &
+                                                              excites(self%transmission_error(j), whole)
+            end do
+            if (any(is_there)) call add_meshes(multiple, is_there, words)
+         end do
+         if (pass == 1) call add_torques(self, whole, words)
+         if (pass == 2 .and. words /= '') words = words//' (by its nonlinearity)'
+      end do
+      if (words == '') words = 'no single source'
+   end subroutine name
+
+   !> Adds meshes at one multiple of their tooth frequencies.
+   subroutine add_meshes(multiple, is_there, words)
+      integer, intent(in) :: multiple
+      logical, intent(in) :: is_there(:)
+      character(:), allocatable, intent(inout) :: words
+      character(:), allocatable :: list
+
+      call list_numbers(is_there, 'mesh', 'meshes', list)
+      if (words /= '') words = words//'; '
+      if (multiple > 1) words = words//text(multiple)//' x '
+      words = words//list
+   end subroutine add_meshes
+
+   !> Adds the torques on bodies.
+   subroutine add_torques(self, order, words)
+      class(sources_type), intent(in) :: self
+      integer, intent(in) :: order
+      character(:), allocatable, intent(inout) :: words
+      integer :: i, n
+
+      do i = 1, size(self%torque)
+         if (.not. excites(self%torque(i), order)) cycle
+         if (words /= '') words = words//'; '
+         associate (body => self%torque_body(i))
+            n = order
+            if (self%body_order(body) > 0) n = order/self%body_order(body)
+            if (n > 1) words = words//text(n)//' x '
+            if (self%body_order(body) > 0) then
+               words = words//'revolution of '//trim(self%bodies(body))
+            else
+               words = words//'torque on '//trim(self%bodies(body))
+            end if
+         end associate
+      end do
+   end subroutine add_torques
+
+   !> Whether a series has an amplitude at a harmonic of the fundamental.
+   pure logical function excites(series, order)
+      type(series_type), intent(in) :: series
+      integer, intent(in) :: order
+      integer :: h
+
+      excites = .false.
+      if (.not. allocated(series%harmonic)) return
+      do h = 1, size(series%harmonic)
+         if (series%harmonic(h) == order) excites = abs(series%amplitude(h)) > least*maxval(abs(series%amplitude))
+      end do
+   end function excites
+
+end module geartrain_report_sources

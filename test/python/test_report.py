@@ -1,0 +1,219 @@
+"""The report: the same words from the executable and from Python, and in them the numbers of the results file."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import ROOT, paper_train, run
+
+import geartrain as gt
+
+PEAK = re.compile(r"Mesh (\d+)[^:]*: largest force (\S+) N, (\S+) times the mean, at (?:Lambda )?([\d.]+)")
+
+
+def flat(text):
+    return " ".join(text.split())
+
+
+def section(text, name):
+    """Lines of a section."""
+    lines = text.splitlines()
+    first = lines.index(name) + 1
+    last = next((place for place in range(first, len(lines)) if not lines[place].startswith(" ")), len(lines))
+    return lines[first:last]
+
+
+def digits(value):
+    """A number as it is printed."""
+    return float(f"{value:.3e}")
+
+
+@pytest.fixture(scope="module")
+def told(executable, tmp_path_factory):
+    """The report of figure 3 and its results."""
+    folder = tmp_path_factory.mktemp("report")
+    done = run(executable, ROOT / "namelists" / "fig03.nml", "--output", folder / "fig03.h5", cwd=folder)
+    assert done.returncode == 0, done
+    return done.stdout, gt.read_results(folder / "fig03.h5")
+
+
+def test_executable_and_python_say_the_same(told):
+    """But for the time of the run and the file, which results do not know."""
+    printed, results = told
+    lines = [line for line in printed.split("FILES\n")[0].splitlines() if not line.startswith("Time: ")]
+    assert str(results).splitlines() == results.report().splitlines() == lines
+    assert str(gt.read_case(ROOT / "namelists" / "fig03.nml").run()).splitlines() == lines
+    written, following, more = section(printed, "FILES")
+    assert written.startswith("  Written: ") and "geartrain-page" in following and "--verbose" in more
+
+
+def test_a_branch_prints_its_part(told):
+    printed, results = told
+    own = str(results.response)
+    assert own == results.response.report() and "Integration" not in own and len(own.splitlines()) <= 45
+    for name in ("MODES", "RESONANCES"):
+        assert section(own, name) == section(printed, name)
+    assert repr(results.response) == "<Branch of 149 points: reached Lambda = 2.6>"
+
+
+def test_sections_stand_in_their_order(told):
+    printed, _ = told
+    found = [line for line in printed.splitlines() if re.fullmatch("[A-Z-]+", line)]
+    assert found == ["RESULT", "MODES", "RESONANCES", "SHAFTS", "QUALITY", "FILES"]
+    assert printed.splitlines()[0] == results_title(printed) and max(map(len, printed.split("FILES")[0].splitlines())) < 110
+
+
+def results_title(printed):
+    assert printed.splitlines()[1] == "Load: input torque 150 N m; mean mesh forces 3000, 6000 N"
+    return "Al-shyyab and Kahraman 2007, figure 3"
+
+
+def test_forces_are_those_of_the_file(told):
+    printed, results = told
+    rows = PEAK.findall(flat(printed))
+    assert len(rows) == 4
+    for branch, own in ((results.response, rows[:2]), (results.integration, rows[2:])):
+        if branch is results.response:
+            force, factor, at = (
+                values[branch.stable] for values in (branch.mesh_force_maximum, branch.dynamic_factor, branch.frequency)
+            )
+        else:
+            force, factor = (
+                np.array([getattr(motion, name) for motion in branch]) for name in ("mesh_force_maximum", "dynamic_factor")
+            )
+            at = np.array([motion.frequency for motion in branch])
+        for mesh, largest, times, frequency in own:
+            place = force[:, int(mesh) - 1].argmax()
+            assert float(largest) == digits(force[place, int(mesh) - 1])
+            assert float(times) == digits(factor[place, int(mesh) - 1])
+            assert float(frequency) == pytest.approx(at[place], abs=6e-5)
+
+
+def test_torques_are_those_of_the_file(told):
+    printed, results = told
+    branch = results.response
+    low = [branch.others["shaft_torque_minimum"][branch.stable]]
+    high = [branch.others["shaft_torque_maximum"][branch.stable]]
+    low.append([motion.shaft_torque_minimum for motion in results.integration])
+    high.append([motion.shaft_torque_maximum for motion in results.integration])
+    rows = section(printed, "SHAFTS")[1:]
+    assert len(rows) == 3
+    for number, row in enumerate(rows):
+        words = row.split()
+        assert words[:2] == ["shaft", str(number + 1)]
+        assert float(words[3]) == digits(np.concatenate(low)[:, number].min())
+        assert float(words[6]) == digits(np.concatenate(high)[:, number].max())
+
+
+def test_modes_are_those_of_the_file(told):
+    printed, results = told
+    hertz = results.response.train.characteristic_frequency / (2 * np.pi)
+    for number, row in enumerate(section(printed, "MODES")[1:]):
+        values = [float(word) for word in row.split()[:4]]
+        natural = results.modes.natural_frequency[number]
+        assert values == [number + 1, digits(natural), digits(natural * hertz), digits(100 * results.modes.damping_ratio[number])]
+
+
+def test_resonances_are_peaks_with_their_forces(told):
+    """Each at a peak of a mesh, with the force amplitude of a point of the file; the orders are those that make the peaks."""
+    printed, results = told
+    branch = results.response
+    mean = branch.mesh_force_maximum / branch.dynamic_factor
+    amplitudes = [{digits(value) for value in column} for column in (branch.mesh_force_maximum - mean).T]
+    peaks = {round(peak.frequency, 4) for peak in branch.peaks()}
+    rows = [
+        re.match(r" +([\d.]+) +(\d+) +[\d.]+  (\d(?: \(.*?\))?|-) +([\d.]+) +([\d.]+)  (.*)", row)
+        for row in section(printed, "RESONANCES")[1:]
+    ]
+    rows = [row.groups() for row in rows if row]
+    assert len(rows) == 6
+    for at, _, _, first, second, _ in rows:
+        assert float(at) in peaks and float(first) in amplitudes[0] and float(second) in amplitudes[1]
+    found = {at: (order, mode, source) for at, order, mode, _, _, source in rows}
+    assert found["0.7307"] == ("1", "1 (-24 %)", "meshes 1, 2")
+    assert found["0.9073"] == ("2", "2 (-3 %)", "2 x meshes 1, 2 (by its nonlinearity)")
+    assert found["1.5505"] == ("1", "2 (-17 %)", "meshes 1, 2")
+
+
+def test_quality_counts_what_the_file_marks(told):
+    printed, results = told
+    branch = results.response
+    words = flat("\n".join(section(printed, "QUALITY")))
+    bad = branch.error_estimate > 1e-3
+    worst = branch.error_estimate.argmax()
+    assert (
+        f"{bad.sum()} of {len(branch)} motions are less accurate than 0.001 (estimate; worst {branch.error_estimate.max():.4g} "
+        f"at Lambda {branch.frequency[worst]:.4f}): 6 harmonics are too few, use harmonics = 0"
+    ) in words
+    assert f"the stability of {branch.undecided.sum()} motions is undecided" in words
+    assert f"all {len(results.integration)} motions settled" in words
+
+
+def test_jumps_and_bands_are_sentences(told):
+    printed, results = told
+    words = flat(printed)
+    assert "speed up: at Lambda 0.7923 jump up, mesh 2 from 0.4904 to 0.9881" in words
+    assert "speed up: at Lambda 1.7492 vibration switches to half the mesh frequency" in words
+    assert "At Lambda 1.7492 to 2.0439 no motion of period 1 is stable" in words
+    shown = len(re.findall(r"speed (?:up|down): at", words))
+    assert f"and {len(results.response.jumps) - shown} more with smaller amplitudes (2 undecided)" in words
+    everything = results.report(verbose=True)
+    assert len(re.findall(r"speed (?:up|down): at", flat(everything))) == len(results.response.jumps)
+    assert len(re.findall(r"^ +\d +[\d.]+ +[\d.]+ +[\d.]+ +[\d.]+  (?:un|st)", everything, re.MULTILINE)) == len(
+        results.response.peaks()
+    )
+
+
+@pytest.mark.parametrize("torque", [150.0, -150.0])
+def test_the_load_may_be_on_either_flank(torque):
+    """A train with symmetric teeth is its own mirror image: the same ranges, told of the other flanks."""
+    branch = paper_train(input_torque=torque).response(start=0.5, stop=0.8)
+    words = flat(str(branch))
+    loaded, other = ("drive", "coast") if torque > 0 else ("coast", "drive")
+    assert f"its {other} flanks hit at Lambda 0.5656 to 0.7320" in words and f"its {loaded} flanks" not in words
+    assert ("on the coast flanks of all meshes" in words) == (torque < 0)
+    mesh, force, factor, _ = PEAK.findall(words)[1]
+    assert (mesh, float(force), float(factor)) == ("2", 38810.0, 6.468)
+    row = next(row for row in section(str(branch), "SHAFTS") if row.startswith("  shaft 2")).split()
+    assert float(row[2]) == pytest.approx(2 * torque) and float(row[3]) * float(row[6]) < 0
+
+
+def test_a_drawing_has_its_units(tmp_path):
+    """rpm, um and the true root mean square; nothing of Lambda, nor of the rms of the paper."""
+    text = (ROOT / "namelists" / "reducer.nml").read_text().split("&modes")[0]
+    (tmp_path / "case.nml").write_text(text + "&response from = 1650.0, to = 1690.0, harmonics = 0, tolerance = 1e-3 /\n")
+    branch = gt.read_case(tmp_path / "case.nml").run().response
+    words = str(branch)
+    assert "Lambda" not in words and "paper" not in words and "true rms [um]" in words
+    jump = max(branch.jumps, key=lambda jump: abs(jump.after - jump.before).max())
+    mesh = abs(jump.after - jump.before).argmax()
+    before, after = (f"{value[mesh] / np.sqrt(2):.4g}" for value in (jump.before, jump.after))
+    assert f"mesh {mesh + 1} from {before} to {after}" in flat(words)
+    # The first mesh at 23 per turn of the motor and the third mode.
+    assert re.search(r"^ +16\d\d\.\d +23 +6\d\d\.?\d* +3 ", words, re.MULTILINE)
+
+
+def test_one_of_a_kind_is_singular(told):
+    printed, results = told
+    train = results.response.train
+    single = replace(train, shafts=train.shafts[:2], meshes=train.meshes[:1])
+    texts = [printed, str(single.response(start=0.9, stop=0.9001)), results.report(verbose=True)]
+    for text in texts:
+        assert not re.search(r"\b1 (motions|points|meshes|shafts|ranges|harmonics|periods|modes)\b", text), text
+
+
+def test_a_killed_run_says_how_to_go_on(executable, tmp_path):
+    """--resume, --force or another file; --force removes what is left of a run, but nothing else."""
+    case = tmp_path / "case.nml"
+    case.write_text(paper_train().namelist(response={"start": 0.8, "stop": 0.9}))
+    assert run(executable, case, cwd=tmp_path).returncode == 0
+    (tmp_path / "case.h5").rename(tmp_path / "case.h5.partial")
+    done = run(executable, case, cwd=tmp_path)
+    assert done.returncode == 2 and all(word in done.stderr for word in ("--resume", "--force", "--output"))
+    assert run(executable, case, "--force", "--resume", cwd=tmp_path).returncode == 2
+    assert run(executable, case, "--force", cwd=tmp_path).returncode == 0
+    assert not (tmp_path / "case.h5.partial").exists()
+    (tmp_path / "case.h5.partial").write_text("precious")
+    assert run(executable, case, "--force", cwd=tmp_path).returncode == 4
+    assert (tmp_path / "case.h5.partial").read_text() == "precious"
