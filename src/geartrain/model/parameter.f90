@@ -151,6 +151,8 @@ contains
          call refuse('a unit of the results, no property of the train')
       else if (row%values < 0 .and. parameter%item > 0) then
          call refuse('one number, no list')
+      else if (parameter%variable == 'input_torque' .and. allocated(train%bodies)) then
+         call refuse('that of a chain: the bodies of this train have torques, as in "'//trim(train%bodies(1)%name)//' torque"')
       else if (.not. is_given(row)) then
          call refuse('not in force in this train: it is not given')
       else if (balances_others()) then
