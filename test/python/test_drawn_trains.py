@@ -92,7 +92,8 @@ def test_maps_in_a_case_file_are_those_of_python(tmp_path, monkeypatch):
 ])
 def test_maps_that_are_refused(parameter, linear, words):
     with pytest.raises(gt.InputError, match=words):
-        reducer().stability_map(**COARSE, parameter=parameter, parameter_start=1e-6, parameter_stop=2e-6, linear=linear)
+        reducer().stability_map(**COARSE, parameter=parameter, parameter_start=1e-6, parameter_stop=2e-6, linear=linear,
+                                harmonics=0)
 
 
 def test_the_reducer_of_the_readme():

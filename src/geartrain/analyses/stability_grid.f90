@@ -112,10 +112,9 @@ contains
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=most_points), &
                         settings%points)
       word = trim(settings%parameter)
-      call v%on_text(row('parameter', '', "number of the train that varies from row to row, as in 'input_torque', &
-                         &'body motor torque', 'shaft 2 stiffness', 'mesh 1 half_backlash', 'stiffness_variation' (the largest &
-                         &amplitude of any harmonic of kappa, all scaled alike); mesh_damping_ratio and half_backlash: of every &
-                         &mesh, in place of what a drawing gives"), word)
+      call v%on_text(row('parameter', '', "number of the train that varies from row to row, as in 'motor torque', 'shaft 2 &
+                         &stiffness', 'stiffness_variation' (the largest amplitude of any harmonic of kappa, all scaled alike); &
+                         &mesh_damping_ratio and half_backlash: of every mesh, in place of what a drawing gives"), word)
       if (allocated(word)) settings%parameter = word
       call v%on_real(row('parameter_from', '', 'one end of the range of the parameter, in its unit (parameter_start in a call)', &
                          required=.true.), settings%parameter_start)
