@@ -93,7 +93,8 @@ contains
             words = 'as given'
          else if (loss_factor > 0) then
             words = 'k loss_factor/omega, a damper with this loss factor at '// &
-                    trim(three_digits(self%found%frequency(mode)/(2*pi)))//' Hz and in proportion to the frequency elsewhere: the natural frequency of mode '//integer_text(mode)// &
+                    trim(three_digits(self%found%frequency(mode)/(2*pi)))//' Hz and in proportion to the frequency elsewhere: the &
+                    &natural frequency of mode '//integer_text(mode)// &
                     ', of whose strain energy it has the share '//trim(three_digits(self%found%share(n, mode)))// &
                     ' (Rao, Mechanical Vibrations, hysteretic damping)'
          else if (ratio > 0) then
