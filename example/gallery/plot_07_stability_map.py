@@ -29,8 +29,8 @@ assert (chart.spectral_radius[0] < 1).all()
 
 reducer = gt.read_case("../../namelists/reducer.nml").train
 chart = reducer.stability_map(
-    start=1450, stop=1550, unit="rpm", points=26, harmonics=0, tolerance=1e-2,
-    parameter="motor torque", parameter_start=10.0, parameter_stop=90.0, parameter_points=9,
+    start=1450, stop=1500, unit="rpm", points=11, harmonics=0, tolerance=1e-2,
+    parameter="motor torque", parameter_start=10.0, parameter_stop=90.0, parameter_points=4,
 )
 chart.plot("stable_motions")
 print(chart)

@@ -84,7 +84,7 @@ def test_maps_in_a_case_file_are_those_of_python(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("parameter, linear, words", [
-    ("input_torque", False, 'that of a chain: the bodies of this train have torques, as in "motor torque"'),
+    ("input_torque", False, 'that of a chain; bodies have torques, as in "motor torque"'),
     ("load torque", False, "the torque of this body balances those of all others"),
     ("mesh 1 half_backlash", False, "contradicts half_backlash"),
     ("mesh * backlash", True, "has no influence on the stability of the linear train"),

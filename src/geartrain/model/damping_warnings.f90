@@ -20,6 +20,8 @@ module geartrain_model_damping_warnings
    real(dp), parameter :: worth_telling = 0.05_dp
    !> Modes that are told one by one.
    integer, parameter :: most_modes = 3
+   !> Modes up to which damping ratios are those of eigenvalues: the time grows with the third power.
+   integer, parameter :: most_eigenvalues = 100
 
 contains
 
@@ -34,6 +36,7 @@ contains
       type(modes_type) :: modes
       type(error_type), allocatable :: error
       character(:), allocatable :: words
+      real(dp), allocatable :: ratio(:)
       integer :: i, told
 
       call plain_train(train, plain)
@@ -41,15 +44,19 @@ contains
       call resolve_damping(plain)
       call find_modal_damping(plain, found)
       ! The eigenvalues of the damped train, not the diagonal of its modal damping matrix: of two modes of nearly equal frequency
-      ! one may have all the damping.
-      call natural_modes(train, modes, error)
-      if (allocated(error)) return
+      ! one may have all the damping. Of large trains they take too long.
+      ratio = found%ratio
+      if (size(ratio) <= most_eigenvalues) then
+         call natural_modes(train, modes, error)
+         if (allocated(error)) return
+         ratio = modes%damping_ratio
+      end if
       told = 0
-      do i = 1, size(modes%damping_ratio)
-         if (modes%damping_ratio(i) >= hardly_any) cycle
+      do i = 1, size(ratio)
+         if (ratio(i) >= hardly_any) cycle
          told = told + 1
          if (told > most_modes) cycle
-         call put_mode(train, plain, found, i, modes%damping_ratio(i), words)
+         call put_mode(train, plain, found, i, ratio(i), words)
          call add(warnings, words)
       end do
       if (told > most_modes) call add(warnings, integer_text(told - most_modes)//' more modes have less than '// &

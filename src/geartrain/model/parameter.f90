@@ -159,7 +159,8 @@ contains
       else if (row%values < 0 .and. parameter%item > 0) then
          call refuse('one number, no list')
       else if (parameter%variable == 'input_torque' .and. allocated(train%bodies)) then
-         call refuse('that of a chain: the bodies of this train have torques, as in "'//trim(train%bodies(1)%name)//' torque"')
+         call refuse('not in force in this train: it is that of a chain; bodies have torques, as in "'// &
+                     trim(train%bodies(1)%name)//' torque"')
       else if (.not. is_given(row)) then
          call refuse('not in force in this train: it is not given')
       else if (parameter%derived .and. damps_by_modes(train) .and. any(modal_variables == parameter%variable)) then
