@@ -269,15 +269,16 @@ contains
    !> The parameter reaches the train: a row equals the map of a train that has that value from the beginning.
    subroutine other_parameters(tests)
       class(tests_type), intent(inout) :: tests
-      character(18), parameter :: names(3) = ['mesh_damping_ratio', 'input_torque      ', 'half_backlash     ']
-      real(dp), parameter :: values(3) = [0.08_dp, 100.0_dp, 20e-6_dp]
+      character(20), parameter :: names(6) = [character(20) :: 'mesh_damping_ratio', 'input_torque', 'half_backlash', &
+                                              'shaft 2 stiffness', 'load_inertia', 'mesh 2 half_backlash']
+      real(dp), parameter :: values(6) = [0.08_dp, 100.0_dp, 20e-6_dp, 5e7_dp, 3e-7_dp, 25e-6_dp]
       type(stability_map_settings_type) :: settings
       type(stability_map_type) :: map, same
       type(train_type) :: train
       type(error_type), allocatable :: error
       integer :: i
 
-      do i = 1, 3
+      do i = 1, size(names)
          train = paper_train()
          settings = chart(0.5_dp, 0.9_dp, 5, values(i), values(i), 1, .false.)
          settings%parameter = names(i)
@@ -285,6 +286,9 @@ contains
          if (i == 1) train%meshes%damping_ratio = values(i)
          if (i == 2) train%input_torque = values(i)
          if (i == 3) train%meshes%half_backlash = values(i)
+         if (i == 4) train%shafts(2)%stiffness = values(i)
+         if (i == 5) train%load_inertia = values(i)
+         if (i == 6) train%meshes(2)%half_backlash = values(i)
          call stability_map(train, chart(0.5_dp, 0.9_dp, 5, 0.3_dp, 0.3_dp, 1, .false.), same, error)
          call tests%is_true(all(map%motions == same%motions), trim(names(i))//': motions')
          call tests%is_close(maxval(abs(map%multiplier - same%multiplier)), 0.0_dp, 1e-12_dp, trim(names(i))//': multipliers')

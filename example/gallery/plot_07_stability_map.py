@@ -22,3 +22,15 @@ for frequency in train.natural_frequencies()[:2]:
     ax.axvline(2 * frequency, color="black", linestyle=":")
     assert chart.spectral_radius[-1, abs(chart.frequency - 2 * frequency).argmin()] > 1
 assert (chart.spectral_radius[0] < 1).all()
+
+# %%
+# With backlash, and over any number of the train: the reducer of the gallery over the torque of its motor. Where there is no stable
+# motion of the period of the fundamental, its teeth do something else. Trains with teeth need ``harmonics=0``.
+
+reducer = gt.read_case("../../namelists/reducer.nml").train
+chart = reducer.stability_map(
+    start=1450, stop=1500, unit="rpm", points=11, harmonics=0, tolerance=1e-2,
+    parameter="motor torque", parameter_start=10.0, parameter_stop=90.0, parameter_points=4,
+)
+chart.plot("stable_motions")
+print(chart)

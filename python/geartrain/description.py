@@ -103,7 +103,7 @@ class Description(TrainVariables):
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Where a formula of the drawing is used outside its range, a sentence each."""
+        """What deserves a second look: formulas of the drawing outside their range, modes of hardly any damping, a line each."""
         with Box(copy=self._kept) as box:
             return tuple(box.text("warnings").splitlines())
 

@@ -46,7 +46,7 @@ class InputError(_Told, ValueError):
 
 
 class DrawingWarning(_Told, UserWarning):
-    """A formula of the drawing is used outside the range that its source gives, or teeth are cut or meet as no involute."""
+    """A formula of the drawing is used outside its range, teeth are cut or meet as no involute, or a mode lacks damping."""
 
 
 class NotDifferentiableWarning(_Told, UserWarning):

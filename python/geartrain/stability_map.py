@@ -33,6 +33,8 @@ _NAMES = {
     "input_torque": "input torque",
     "half_backlash": "half backlash",
 }
+# Short names of a map, and the same parameters by the names of a locus.
+_OF_EVERY_MESH = {"mesh_damping_ratio": "mesh * damping_ratio", "half_backlash": "mesh * half_backlash"}
 _TITLES = {
     "spectral_radius": "largest |multiplier|, stable below 1",
     "stable_motions": "number of stable motions",
@@ -47,7 +49,7 @@ class StabilityMap(Table):
     Attributes
     ----------
     name, unit : str
-        The parameter, as in ``&stability_map``.
+        The parameter, as in ``&stability_map``, and its unit.
     linear : bool
         Whether it is that of the train without backlash.
     frequency : ndarray, (points,)
@@ -149,7 +151,7 @@ class StabilityMap(Table):
         for curve in curves:
             if not isinstance(curve, Locus):
                 raise InputError(f"curves: {shown(curve)} is no gt.Locus")
-            if curve.parameter_name.replace("mesh * ", "") not in (self.name, self.name.removeprefix("mesh_")):
+            if _full(curve.parameter_name) != _full(self.name):
                 raise InputError(f"curves: {curve!r} is over {curve.parameter_name!r}, the map over {self.name!r}")
         units = units_of(self.train, unit)
         frequency = units.per_lambda * self.frequency
@@ -184,7 +186,7 @@ class StabilityMap(Table):
             ax.legend(fontsize=8)
         ax.grid(visible=False)
         ax.set_xlabel(units.frequency)
-        ax.set_ylabel(_NAMES[self.name] + (f"  [{self.unit}]" if self.unit != "1" else ""))
+        ax.set_ylabel(_NAMES.get(self.name, self.name.replace("_", " ")) + (f"  [{self.unit}]" if self.unit != "1" else ""))
         return ax
 
     def to_dataset(self) -> Dataset:
@@ -194,3 +196,8 @@ class StabilityMap(Table):
         found = dataset(self.path, {**arrays, **derived}, attributes)
         found["parameter"].attrs["units"] = self.unit
         return found
+
+
+def _full(name: str) -> str:
+    """The name by which a locus knows a parameter; a body may be named without the word body."""
+    return _OF_EVERY_MESH.get(name, name).removeprefix("body ")

@@ -605,12 +605,13 @@ class Train(Description):
 
     @takes(VARIABLES["stability_map"], StabilityMapKeywords)
     def stability_map(self, **settings: Unpack[StabilityMapKeywords]) -> StabilityMap:
-        """Stability over frequency and one parameter, on all cores.
+        """Stability over frequency and one parameter of the train, on all cores.
 
         Parameters
         ----------
         **settings
-            The variables of ``&stability_map``.
+            The variables of ``&stability_map``. ``parameter`` is a number of the train, as in `Train.continuation`; trains with
+            teeth need ``harmonics=0``.
 
         Returns
         -------
@@ -628,6 +629,15 @@ class Train(Description):
         ...                             parameter_points=4, linear=True)
         >>> chart.frequency[chart.spectral_radius[-1] > 1][[0, -1]].round(2)
         array([1.78, 2.04])
+
+        Over any number of a train that is given by its drawing:
+
+        >>> reducer = gt.read_case("namelists/reducer.nml").train
+        >>> chart = reducer.stability_map(start=1500, stop=1600, unit="rpm", points=2, harmonics=0, parameter="motor torque",
+        ...                               parameter_start=60.0, parameter_stop=90.0, parameter_points=2)
+        >>> chart.stable_motions
+        array([[1, 1],
+               [1, 1]], dtype=int32)
         """
         bar = settings["parameter_points"], "rows", settings["parameter"]
         return self._found("stability_map", settings, lambda box: StabilityMap._from(box, self), *bar)

@@ -24,6 +24,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "load_inertia": Variable("load_inertia", "real", "float", 0.0, False, "Polar moment of inertia at the driven end of a chain; 0 only if the last shaft is rigid; [kg m^2]; >= 0"),
         "characteristic_length": Variable("characteristic_length", "real", "float", None, False, "Unit in which mesh displacements are reported, b_c; may be left out where every mesh has teeth: 1e-6; [m]; > 0"),
         "characteristic_frequency": Variable("characteristic_frequency", "real", "float", None, False, "Unit in which frequencies are reported, omega_c; Lambda is the fundamental frequency over it. May be left out where every mesh has teeth: Lambda is then the speed in rpm; [rad/s]; > 0"),
+        "modal_damping": Variable("modal_damping", "reals", "Series", None, False, "Damping ratios of modes 1, 2, ...; the last one is that of all higher modes. Shafts and meshes without damping of their own get the damping >= 0 that comes nearest to them; >= 0 and <= 1"),
         "speed_of": Variable("speed_of", "text", "str", "", False, "Name of the body whose revolutions are the speed in rpm; blank: the first body"),
     },
     "body": {
@@ -51,6 +52,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "shear_modulus": Variable("shear_modulus", "real", "float", 8.0e10, False, "Shear modulus, G; [N/m^2]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the bodies at the ends, without what is rigidly joined to them; of a train without &body with it; >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N m s/rad]; >= 0"),
+        "loss_factor": Variable("loss_factor", "real", "float", 0.0, False, "Structural damping, instead of damping_ratio: damping k loss_factor/omega, omega the natural frequency of the mode in which the shaft has most strain energy; >= 0 and <= 2"),
     },
     "mesh": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies that the driving and the driven gear are on; none in a chain"),
@@ -75,6 +77,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "stiffness": Variable("stiffness", "real", "float", None, False, "Mean mesh stiffness along the line of action in the transverse plane; or by stiffness_table, or by ISO 6336-1 where the drawing is given, less below a line load of 100 N/mm; [N/m]; > 0"),
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a); >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, instead of damping_ratio; [N s/m]; >= 0"),
+        "loss_factor": Variable("loss_factor", "real", "float", 0.0, False, "Structural damping, instead of damping_ratio: damping k loss_factor/omega, omega the natural frequency of the mode in which the mesh has most strain energy; >= 0 and <= 2"),
         "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "At all times, or in contact only: not while the teeth are apart; 'always' or 'contact'"),
         "half_backlash": Variable("half_backlash", "real", "float", 0.0, False, "Half of the backlash along the line of action in the transverse plane, b; 0: no backlash, a linear mesh, unless `backlash` is given; [m]; >= 0"),
         "stiffness_cos": Variable("stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness over its mean"),
@@ -166,9 +169,9 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "stop": Variable("to", "real", "float", None, True, "Its other end; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all have teeth; Hz, of the fundamental; 'Lambda', 'rpm' or 'Hz'"),
         "points": Variable("points", "integer", "int", 200, False, "Frequencies in the range, both ends included; >= 1 and <= 10000"),
-        "parameter": Variable("parameter", "text", "Literal['stiffness_variation', 'mesh_damping_ratio', 'input_torque', 'half_backlash']", "stiffness_variation", False, "What varies from row to row. stiffness_variation: largest amplitude of any harmonic of kappa, all scaled alike; input_torque [N m]; mesh_damping_ratio and half_backlash [m]: of every mesh; 'stiffness_variation', 'mesh_damping_ratio', 'input_torque' or 'half_backlash'"),
-        "parameter_start": Variable("parameter_from", "real", "float", None, True, "One end of the range of the parameter; >= 0"),
-        "parameter_stop": Variable("parameter_to", "real", "float", None, True, "Its other end; >= 0"),
+        "parameter": Variable("parameter", "text", "str", "stiffness_variation", False, "Number of the train that varies from row to row, as in 'motor torque', 'shaft 2 stiffness', 'stiffness_variation' (the largest amplitude of any harmonic of kappa, all scaled alike); mesh_damping_ratio and half_backlash: of every mesh, in place of what a drawing gives"),
+        "parameter_start": Variable("parameter_from", "real", "float", None, True, "One end of the range of the parameter, in its unit"),
+        "parameter_stop": Variable("parameter_to", "real", "float", None, True, "Its other end"),
         "parameter_points": Variable("parameter_points", "integer", "int", 200, False, "Values of the parameter in the range, both ends included; >= 1 and <= 10000"),
         "linear": Variable("linear", "logical", "bool", False, False, "The train without backlash, all teeth in contact: where its parametric resonances are; else the motions on the branch of every row"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda of the motions; 0: chosen by the program for each point, as trains with teeth need; not used by a linear map; >= 1 and <= 1000, or 0"),
@@ -230,6 +233,7 @@ class Shaft(Part, variables=VARIABLES["shaft"]):
     shear_modulus: float | None = None
     damping_ratio: float | None = None
     damping: float | None = None
+    loss_factor: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -258,6 +262,7 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     stiffness: float | None = None
     damping_ratio: float | None = None
     damping: float | None = None
+    loss_factor: float | None = None
     damping_acts: Literal["always", "contact"] | None = None
     half_backlash: float | None = None
     stiffness_cos: Series | None = None
@@ -285,6 +290,7 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
     load_inertia: float | None = None
     characteristic_length: float | None = None
     characteristic_frequency: float | None = None
+    modal_damping: Series | None = None
     speed_of: str | None = None
     bodies: Sequence[Body] = ()
     shafts: Sequence[Shaft] = ()
@@ -403,7 +409,7 @@ class StabilityMapKeywords(TypedDict, total=False):
     stop: Required[float]
     unit: Literal["Lambda", "rpm", "Hz"]
     points: int
-    parameter: Literal["stiffness_variation", "mesh_damping_ratio", "input_torque", "half_backlash"]
+    parameter: str
     parameter_start: Required[float]
     parameter_stop: Required[float]
     parameter_points: int

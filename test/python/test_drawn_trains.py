@@ -55,6 +55,47 @@ def test_rows_are_those_of_the_changed_train():
             assert chart.rms[0, k] == pytest.approx(motion.rms, rel=1e-3)
 
 
+@pytest.mark.parametrize("parameter, value", [
+    ("motor torque", 70.0), ("body load inertia", 2.0), ("shaft 1 stiffness", 3e4), ("shaft 2 diameter", 0.038),
+    ("mesh 1 backlash", 2e-5), ("mesh * damping_ratio", 0.03),
+])
+def test_a_map_over_any_number_of_a_drawing(parameter, value):
+    """A node of the map is the motion of the train that has the value from the beginning."""
+    train = reducer()
+    chart = train.stability_map(**{**COARSE, "parameter_points": 1}, parameter=parameter, parameter_start=value,
+                                parameter_stop=value, harmonics=0)
+    branch = train.with_values({parameter: value}).response(start=1500.0, stop=1504.0, unit="rpm", harmonics=0, multipliers=True)
+    assert chart.name == parameter and chart.motions.tolist() == [[1, 1]]
+    for k, frequency in enumerate(chart.frequency):
+        motion, = branch.at(frequency)
+        assert chart.multiplier[0, k] == pytest.approx(motion.multipliers[0], rel=1e-6)
+        assert chart.rms[0, k] == pytest.approx(motion.rms, rel=1e-3)
+    linear = train.stability_map(**COARSE, parameter="shaft 1 stiffness", parameter_start=1e4, parameter_stop=3e4, linear=True)
+    assert linear.unit == "N m/rad" and (linear.spectral_radius[0] > linear.spectral_radius[1]).all()
+
+
+def test_maps_in_a_case_file_are_those_of_python(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    settings = {**COARSE, "parameter": "motor torque", "parameter_start": 60.0, "parameter_stop": 90.0, "harmonics": 0}
+    (tmp_path / "map.nml").write_text(reducer().namelist(stability_map=settings))
+    of_case, own = gt.read_case("map.nml").run().stability_map, reducer().stability_map(**settings)
+    assert (of_case.multiplier == own.multiplier).all() and (of_case.name, of_case.unit) == ("motor torque", "N m")
+    assert own.plot().get_ylabel() == "motor torque  [N m]"
+
+
+@pytest.mark.parametrize("parameter, linear, words", [
+    ("input_torque", False, 'that of a chain; bodies have torques, as in "motor torque"'),
+    ("load torque", False, "the torque of this body balances those of all others"),
+    ("mesh 1 half_backlash", False, "contradicts half_backlash"),
+    ("mesh * backlash", True, "has no influence on the stability of the linear train"),
+    ("", False, "must be given, as in 'stiffness_variation'"),
+])
+def test_maps_that_are_refused(parameter, linear, words):
+    with pytest.raises(gt.InputError, match=words):
+        reducer().stability_map(**COARSE, parameter=parameter, parameter_start=1e-6, parameter_stop=2e-6, linear=linear,
+                                harmonics=0)
+
+
 def test_the_reducer_of_the_readme():
     train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
     chart = train.stability_map(**COARSE, parameter="half_backlash", parameter_start=1e-6, parameter_stop=4e-5, harmonics=0,

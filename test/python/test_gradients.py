@@ -129,7 +129,7 @@ def test_a_star_means_all_in_which_the_parameter_is_in_force():
     ("shaft 1 diameter", "what would follow from it is given"),
     ("shaft 1 shear_modulus", "what would follow from it is given"),
     ("mesh 1 density", "what would follow from it is given"),
-    ("input_torque", "it is not given"),
+    ("input_torque", "it is that of a chain; bodies have torques"),
 ])
 def test_what_is_not_in_force_is_refused(name, told):
     train = reducer()

@@ -86,6 +86,9 @@ function sortable(table, number) {
 
 const PARAMETERS = { stiffness_variation: "stiffness variation  κ", mesh_damping_ratio: "mesh damping ratio  ζ" };
 
+/** Short names of a map, and the same parameters by the names of a locus. */
+const OF_EVERY_MESH = { mesh_damping_ratio: "mesh * damping_ratio", half_backlash: "mesh * half_backlash" };
+
 /** The stability map, and curves of special points: over it where they are over its parameter, else on their own. */
 function mapView(panel) {
   const chart = main.map,
@@ -98,7 +101,8 @@ function mapView(panel) {
         ["motions", "motions"],
       ]
     : [];
-  const apart = [...new Set(main.loci.map((locus) => locus.parameter))].filter((name) => name !== chart?.parameter);
+  const over = chart && (OF_EVERY_MESH[chart.parameter] || chart.parameter);
+  const apart = [...new Set(main.loci.map((locus) => locus.parameter))].filter((name) => name !== over);
   shows.push(...apart.map((name) => [name, `curves over ${name.replace(/_/g, " ")}`]));
   if (!shows.some(([what]) => what === state.mapWhat)) state.mapWhat = shows[0][0];
   const [what] = choice("show", shows, state.mapWhat, (value) => {
@@ -116,7 +120,7 @@ function mapView(panel) {
   function draw() {
     const own = chart && !apart.includes(state.mapWhat),
       parameter = own ? chart.parameter : state.mapWhat;
-    const loci = main.loci.filter((locus) => locus.parameter === parameter);
+    const loci = main.loci.filter((locus) => locus.parameter === (own ? over : parameter));
     const unit = own && chart.unit && chart.unit !== "1" ? `  [${chart.unit}]` : "";
     const title = (PARAMETERS[parameter] || safe(parameter.replace(/_/g, " "))) + unit;
     const layout = {

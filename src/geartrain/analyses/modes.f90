@@ -94,7 +94,8 @@ contains
          call carry(fields, row('damped_frequency', 'mode', '1', &
                                 'imaginary part of the damped eigenvalue / characteristic_frequency; 0 = overdamped'), &
                     modes%damped_frequency)
-         call carry(fields, row('damping_ratio', 'mode', '1', 'damping ratio of the mode'), modes%damping_ratio)
+         call carry(fields, row('damping_ratio', 'mode', '1', 'damping ratio of the mode: -Re/|eigenvalue| of the damped mean &
+                                &system'), modes%damping_ratio)
          call carry(fields, row('shape', 'mode element', '1', 'displacement of each element (a mesh: along the line of action; a &
                                 &shaft: twist times base radius), largest 1'), modes%shape)
          if (.not. fields%has('body', allocated(modes%body))) return

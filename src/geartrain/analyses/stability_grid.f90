@@ -1,6 +1,7 @@
 !> Settings and result of a stability map (stability chart, of a linear train an Ince-Strutt diagram): the variables of
 !> &stability_map with their checks, the grid, its rows while the map is under way, and its fields.
 module geartrain_analyses_stability_grid
+   use geartrain_analyses_map_trains, only: map_trains_type, moves_linear_train
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, in_a_line
@@ -11,16 +12,16 @@ module geartrain_analyses_stability_grid
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_fields, only: about_frequency, about_mesh
    use geartrain_model_check, only: check_train
-   use geartrain_model_drawing, only: drop_drawing, plain_train
-   use geartrain_model_frequency_unit, only: check_unit, unit_length, visit_unit
+   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_model_limits, only: check_common_period, check_frequency, check_harmonics
    use geartrain_model_long_period, only: check_long_period, visit_long_period
    use geartrain_model_parameter, only: largest_variation
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_consistency, check_stability_map, map_row_type, stability_map_settings_type, stability_map_type, train_with, &
-      unit_of, visit_map, visit_stability_map
+   public :: check_consistency, check_stability_map, map_row_type, stability_map_settings_type, stability_map_type, visit_map, &
+      visit_stability_map
 
    real(dp), parameter :: zero = 0, one = 1
    !> Largest number of points along either side of the map.
@@ -39,9 +40,9 @@ module geartrain_analyses_stability_grid
       character(unit_length) :: unit = 'Lambda'
       !> Number of frequencies in the range, both ends included.
       integer :: points = 200
-      !> Parameter that varies from row to row: 'stiffness_variation', 'mesh_damping_ratio', 'input_torque' or 'half_backlash'.
-      character(24) :: parameter = 'stiffness_variation'
-      !> Ends of the range of the parameter [1], [1], [N m] or [m].
+      !> Parameter that varies from row to row: a number of the train, or 'mesh_damping_ratio' or 'half_backlash' of every mesh.
+      character(80) :: parameter = 'stiffness_variation'
+      !> Ends of the range of the parameter [unit of the parameter].
       real(dp) :: parameter_start = 0, parameter_stop = 0
       !> Number of values of the parameter, both ends included.
       integer :: parameter_points = 200
@@ -111,13 +112,13 @@ contains
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=most_points), &
                         settings%points)
       word = trim(settings%parameter)
-      call v%on_text(row('parameter', '', 'what varies from row to row. stiffness_variation: largest amplitude of any harmonic of &
-                         &kappa, all scaled alike; input_torque [N m]; mesh_damping_ratio and half_backlash [m]: of every mesh', &
-                         choices='stiffness_variation mesh_damping_ratio input_torque half_backlash'), word)
-      settings%parameter = word
-      call v%on_real(row('parameter_from', '', 'one end of the range of the parameter (parameter_start in a call)', &
-                         required=.true., least=zero), settings%parameter_start)
-      call v%on_real(row('parameter_to', '', 'its other end (parameter_stop in a call)', required=.true., least=zero), &
+      call v%on_text(row('parameter', '', "number of the train that varies from row to row, as in 'motor torque', 'shaft 2 &
+                         &stiffness', 'stiffness_variation' (the largest amplitude of any harmonic of kappa, all scaled alike); &
+                         &mesh_damping_ratio and half_backlash: of every mesh, in place of what a drawing gives"), word)
+      if (allocated(word)) settings%parameter = word
+      call v%on_real(row('parameter_from', '', 'one end of the range of the parameter, in its unit (parameter_start in a call)', &
+                         required=.true.), settings%parameter_start)
+      call v%on_real(row('parameter_to', '', 'its other end (parameter_stop in a call)', required=.true.), &
                      settings%parameter_stop)
       call v%on_integer(row('parameter_points', '', 'values of the parameter in the range, both ends included', least=one, &
                             most=most_points), settings%parameter_points)
@@ -176,83 +177,39 @@ contains
       if (within) call check_long_period(train, 'stability_map', 'every point takes multipliers over a period', &
                                          settings%long_period, checker)
       if (within .and. .not. settings%linear) call check_harmonics(train, settings%harmonics, 1, highest_chosen, checker)
-      if (settings%linear .and. (settings%parameter == 'input_torque' .or. settings%parameter == 'half_backlash')) &
-         call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
-                               'has no influence on the stability of the linear train: leave out linear = .true.')
-      if (settings%parameter == 'input_torque' .and. allocated(train%bodies)) &
-         call checker%complain('parameter', "'input_torque'", 'is that of a chain: the bodies of this train have torques')
+      if (settings%parameter == '') call checker%complain('parameter', "''", "must be given, as in 'stiffness_variation'")
+      if (settings%linear .and. allocated(train%meshes)) then
+         if (.not. moves_linear_train(train, settings%parameter)) &
+            call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
+                                  'has no influence on the stability of the linear train: leave out linear = .true.')
+      end if
       if (settings%parameter == 'stiffness_variation' .and. allocated(train%meshes)) then
          call plain_train(train, plain)
          if (.not. largest_variation(plain%meshes) > 0 .and. .not. checker%problems%in_group('mesh')) &
             call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                   'needs a mesh with stiffness_cos or stiffness_sin, which give the shape that is scaled')
       end if
-      call check_end('parameter_from', settings%parameter_start)
-      call check_end('parameter_to', settings%parameter_stop)
+      if (.not. checker%problems%in_group('stability_map')) call check_trains()
       call checker%leave()
 
    contains
 
-      !> Whether the train at an end of the range of the parameter can be computed.
-      subroutine check_end(name, value)
-         character(*), intent(in) :: name
-         real(dp), intent(in) :: value
+      !> Checks the parameter and the trains of its range.
+      subroutine check_trains()
+         type(map_trains_type) :: trains
          type(error_type), allocatable :: wrong
 
-         if (checker%problems%in_group('stability_map')) return
+         ! What is wrong with the train is told elsewhere.
+         if (checker%problems%of_train()) return
          call check_train(train, wrong)
          if (allocated(wrong)) return
-         call check_train(train_with(train, settings, value), wrong)
-         if (allocated(wrong)) call checker%complain(name, real_text(value), 'must be a value with which the train can be &
-            &computed: '//in_a_line(wrong%message))
-      end subroutine check_end
+         if (.not. lambda_per(train, settings%unit) > 0) return
+         call trains%setup(train, settings%parameter, settings%start*lambda_per(train, settings%unit), settings%parameter_start, &
+                           settings%parameter_stop, settings%linear, wrong)
+         if (allocated(wrong)) call checker%complain('parameter', "'"//trim(settings%parameter)//"'", in_a_line(wrong%message))
+      end subroutine check_trains
 
    end subroutine check_consistency
-
-   !> The train of one row of the map.
-   function train_with(train, settings, value) result(changed)
-      !> The train as described.
-      type(train_type), intent(in) :: train
-      !> The settings.
-      type(stability_map_settings_type), intent(in) :: settings
-      !> Value of the parameter, in its unit.
-      real(dp), intent(in) :: value
-      type(train_type) :: changed
-      real(dp) :: factor
-      integer :: j
-
-      call plain_train(train, changed)
-      call drop_drawing(changed%meshes)
-      if (settings%linear) changed%meshes%half_backlash = 0
-      select case (settings%parameter)
-      case ('stiffness_variation')
-         factor = value/largest_variation(changed%meshes)
-         do j = 1, size(changed%meshes)
-            associate (mesh => changed%meshes(j))
-               if (allocated(mesh%stiffness_cos)) mesh%stiffness_cos = factor*mesh%stiffness_cos
-               if (allocated(mesh%stiffness_sin)) mesh%stiffness_sin = factor*mesh%stiffness_sin
-            end associate
-         end do
-      case ('mesh_damping_ratio')
-         changed%meshes%damping_ratio = value
-         changed%meshes%damping_given = .false.
-      case ('input_torque')
-         changed%input_torque = value
-      case ('half_backlash')
-         changed%meshes%half_backlash = value
-      end select
-   end function train_with
-
-   !> Unit of a parameter; '1': dimensionless.
-   pure function unit_of(parameter) result(unit)
-      !> Name of the parameter.
-      character(*), intent(in) :: parameter
-      character(merge(3, 1, parameter == 'input_torque')) :: unit
-
-      unit = '1'
-      if (parameter == 'input_torque') unit = 'N m'
-      if (parameter == 'half_backlash') unit = 'm'
-   end function unit_of
 
    !> Makes the arrays of the rows that are done, and frees these rows one by one.
    subroutine gather(self)

@@ -6,9 +6,10 @@ module geartrain_analyses_stability_map
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_analyses_map_trains, only: map_trains_type
    use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_stability_grid, only: check_consistency, check_stability_map, map_row_type, &
-      stability_map_settings_type, stability_map_type, train_with, unit_of, visit_map, visit_stability_map
+      stability_map_settings_type, stability_map_type, visit_map, visit_stability_map
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_same_motion, only: is_same_motion
@@ -146,6 +147,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told of 'stability map' after each row, by one thread at a time; may end the work, and the map then holds the rows done.
       class(observer_type), intent(inout), optional :: observer
+      type(map_trains_type) :: trains
+      type(train_type) :: changed
       type(map_row_type) :: row
       integer :: i, done
       logical :: keep_going, go
@@ -154,18 +157,22 @@ contains
       call check_train(train, error)
       if (.not. allocated(error)) call check_stability_map(train, settings, error)
       if (allocated(error)) return
-      if (allocated(map%ended) .or. .not. allocated(map%rows)) call make_room(train, settings, map, error)
+      call trains%setup(train, trim(settings%parameter), settings%start*lambda_per(train, settings%unit), &
+                        settings%parameter_start, settings%parameter_stop, settings%linear, error)
+      if (allocated(error)) return
+      if (allocated(map%ended) .or. .not. allocated(map%rows)) call make_room(train, settings, trains%unit, map, error)
       if (allocated(error)) return
       done = count(map%done)
       known = map%done
       keep_going = .true.
-      !$omp parallel do private(row, go) schedule(dynamic)
+      !$omp parallel do private(row, go, changed) schedule(dynamic)
       do i = 1, settings%parameter_points
          if (known(i)) cycle
          !$omp atomic read
          go = keep_going
          if (.not. go) cycle
-         call compute_row(train_with(train, settings, map%parameter(i)), settings, map%frequency_ratio, row)
+         call trains%train_at(map%parameter(i), changed)
+         call compute_row(changed, settings, map%frequency_ratio, row)
          if (train%interrupt%raised()) then
             !$omp atomic write
             keep_going = .false.
@@ -187,9 +194,10 @@ contains
    end subroutine stability_map
 
    !> Makes an empty map. Whether memory will suffice is found out here, not after hours.
-   subroutine make_room(train, settings, map, error)
+   subroutine make_room(train, settings, unit_of_parameter, map, error)
       type(train_type), intent(in) :: train
       type(stability_map_settings_type), intent(in) :: settings
+      character(*), intent(in) :: unit_of_parameter
       type(stability_map_type), intent(inout), target :: map
       type(error_type), allocatable, intent(inout) :: error
       type(stability_map_type) :: empty
@@ -200,7 +208,7 @@ contains
 
       map = empty
       map%name = trim(settings%parameter)
-      map%unit = unit_of(settings%parameter)
+      map%unit = unit_of_parameter
       map%linear = settings%linear
       associate (points => settings%points, rows => settings%parameter_points)
          bytes = plain

@@ -3,7 +3,7 @@ module geartrain_linalg_lapack
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: dgeev, dgehrd, dgemm, dgemv, dgetrf, dgetrs, dhsein, dhseqr, dormhr, dsbev
+   public :: dgeev, dgehrd, dgels, dgemm, dgemv, dgetrf, dgetrs, dhsein, dhseqr, dormhr, dsbev
 
    interface
       !> LU factors of a general matrix.
@@ -49,6 +49,20 @@ module geartrain_linalg_lapack
          !> 0: converged.
          integer, intent(out) :: info
       end subroutine dgeev
+
+      !> Least squares or least norm of a matrix of full rank.
+      pure subroutine dgels(trans, m, n, nrhs, a, lda, b, ldb, work, lwork, info)
+         import :: dp
+         implicit none (type, external)
+         !> 'N': a x = b, 'T': transpose(a) x = b.
+         character, intent(in) :: trans
+         !> Rows, columns, right-hand sides, leading dimensions, size of `work`.
+         integer, intent(in) :: m, n, nrhs, lda, ldb, lwork
+         !> The matrix, destroyed; right-hand sides, then solutions; work space.
+         real(dp), intent(inout) :: a(lda, *), b(ldb, *), work(*)
+         !> 0: full rank.
+         integer, intent(out) :: info
+      end subroutine dgels
 
       !> Reduces a general matrix to Hessenberg form.
       pure subroutine dgehrd(n, ilo, ihi, a, lda, tau, work, lwork, info)

@@ -5,6 +5,7 @@ module geartrain_model_check
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_model_check_damping, only: check_damping
    use geartrain_model_check_drawing, only: check_drawing
    use geartrain_model_check_network, only: check_network
    use geartrain_model_drawing, only: has_geometry, has_sections, has_stiffness, plain_train
@@ -78,6 +79,7 @@ contains
          call check_end(train%load_inertia, 'load_inertia', 'last', train%shafts(shafts))
          call checker%leave()
       end if
+      call check_damping(plain, checker)
       call check_stiffest(plain, checker)
       call check_scales(plain, checker)
 

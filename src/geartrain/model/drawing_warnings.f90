@@ -8,6 +8,7 @@ module geartrain_model_drawing_warnings
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_bodies, only: bodies_of, body_count, find_ends
    use geartrain_model_body, only: body_type
+   use geartrain_model_damping_warnings, only: warn_of_damping_of_modes
    use geartrain_model_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
    use geartrain_model_mesh, only: is_given, mesh_type, put_law
@@ -63,8 +64,7 @@ contains
       !> A sentence each.
       type(text_type), allocatable, intent(out) :: warnings(:)
       type(train_type) :: plain
-      type(system_type) :: system
-      real(dp), allocatable :: light(:)
+      logical :: slips
       integer :: i
 
       allocate (warnings(0))
@@ -78,18 +78,39 @@ contains
       end do
       call plain_train(train, plain)
       call warn_of_negative_stiffness(plain, warnings)
+      slips = size(warnings) > 0
       call warn_of_joined_inertias(train, plain, warnings)
-      if (.not. any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) return
+      if (any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) call warn_of_drawing(train, plain, slips, warnings)
+      ! Modes follow from the numbers: where these may be in another unit, they say nothing.
+      if (.not. slips) call warn_of_damping_of_modes(train, warnings)
+   end subroutine find_warnings
+
+   !> Warns of meshes that are given by their drawing.
+   subroutine warn_of_drawing(train, plain, slips, warnings)
+      type(train_type), intent(in) :: train
+      !> The plain train; its mesh stiffnesses get those of their loads.
+      type(train_type), intent(inout) :: plain
+      !> Whether the magnitude of some number is that of another unit; set where it is one of a mesh.
+      logical, intent(inout) :: slips
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(system_type) :: system
+      real(dp), allocatable :: light(:)
+      integer :: i, before
+
+      before = size(warnings)
       call warn_of_shafts_in_gears(train, warnings)
+      slips = slips .or. size(warnings) > before
       call warn_of_gaps(plain, warnings)
       call reduce_light_loads(plain, light)
       call build_system(train, system)
       do i = 1, size(train%meshes)
          if (.not. has_geometry(train%meshes(i))) cycle
+         before = size(warnings)
          call warn_of_units(train%meshes(i), i, warnings)
+         slips = slips .or. size(warnings) > before
          call warn_of_mesh(train%meshes(i), i, system, light(i), warnings)
       end do
-   end subroutine find_warnings
+   end subroutine warn_of_drawing
 
    !> Adds '&mesh 1: sentence'.
    subroutine add_warning(warnings, group, i, sentence)

@@ -11,6 +11,7 @@ module geartrain_model_explain
    use geartrain_model_drawing, only: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, &
       reduce_light_loads
    use geartrain_model_drawing_warnings, only: find_warnings
+   use geartrain_model_explain_damping, only: damping_explanation_type
    use geartrain_model_frequency_unit, only: speed_per_lambda
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, pair_geometry_type, pair_stiffness_type
    use geartrain_model_kinematics, only: all_toothed, find_kinematics, greatest_divisor, kinematics_type
@@ -31,6 +32,7 @@ module geartrain_model_explain
       type(system_type) :: system
       logical :: toothed = .false.
       type(kinematics_type) :: kinematics
+      type(damping_explanation_type) :: damping
    end type context_type
 
 contains
@@ -45,6 +47,7 @@ contains
       integer :: i
 
       call prepare(train, context)
+      call context%damping%setup(train, context%plain)
       call explain_whole(context, fields)
       if (allocated(train%bodies)) then
          do i = 1, size(train%bodies)
@@ -95,6 +98,7 @@ contains
             call carry(fields, field_type('speed_ratio', '', '1', 'turns of '//trim(speed_name(context))//', whose revolutions are &
                &the speed, per period of the fundamental'), plain%speed_ratio)
          end if
+         call context%damping%explain_modes(fields)
       end associate
    end subroutine explain_whole
 
@@ -198,6 +202,7 @@ contains
          if (.not. abs(shaft%stiffness) > 0 .and. has_sections(shaft)) &
             words = '1/k = sum of 32 l/(pi G (D^4 - d^4)) over the sections; the inertia of the shaft itself is not counted'
          call carry(fields, field_type('stiffness', '', 'N m/rad', words), context%plain%shafts(i)%stiffness)
+         call context%damping%explain_element('shaft', i, fields)
          n = findloc(system%element_shaft, i, 1)
          torque = system%static_force(n)*system%stiffness(n)*system%characteristic_length*system%network%elements(n)%radius(1)
          call carry(fields, field_type('mean_torque', '', 'N m', 'at rest, by the mean torques of the bodies'), torque)
@@ -269,6 +274,7 @@ contains
          if (has_stiffness(mesh)) words = 'c_gamma_alpha b, along the line of action in the transverse plane'
          if (has_table(mesh)) words = 'mean of stiffness_table'
          call carry(fields, field_type('stiffness', '', 'N/m', words), plain%stiffness)
+         call context%damping%explain_element('mesh', i, fields)
          words = as_given
          if (has_table(mesh)) words = 'of stiffness_table'
          if (.not. (is_given(mesh%stiffness_cos) .or. is_given(mesh%stiffness_sin) .or. has_table(mesh))) then

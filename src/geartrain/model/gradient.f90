@@ -5,6 +5,7 @@ module geartrain_model_gradient
    use geartrain_base_kinds, only: dp
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
+   use geartrain_model_modal_damping, only: resolve_damping
    use geartrain_model_mode_rates, only: mode_shapes_type
    use geartrain_model_parameter, only: find_parameters, variation
    use geartrain_model_parameter_table, only: add_to_parameter, parameter_type, table_type
@@ -136,6 +137,7 @@ contains
       end do
       if (allocated(error)) return
       call reduce_light_loads(self%plain)
+      call resolve_damping(self%plain)
       self%zero = self%plain
       derived%number = 0
       call derived%give(self%zero)

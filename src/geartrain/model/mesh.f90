@@ -28,6 +28,8 @@ module geartrain_model_mesh
       !> Damping coefficient [N s/m], in force when `damping_given`.
       real(dp) :: damping = 0
       logical :: damping_given = .false.
+      !> Loss factor [1], in place of both; 0: not given.
+      real(dp) :: loss_factor = 0
       !> 'always' or 'contact': not while the teeth are apart.
       character(8) :: damping_acts = 'always'
       !> Half of the backlash [m]; 0 makes the mesh linear.

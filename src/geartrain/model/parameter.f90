@@ -8,6 +8,7 @@ module geartrain_model_parameter
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_series, only: make_series, series_type
    use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_modal_damping, only: damps_by_modes
    use geartrain_model_parameter_table, only: entry_type, parameter_type, table_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -21,6 +22,10 @@ module geartrain_model_parameter
       'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'revolution_torque_cos', 'revolution_torque_sin']
    !> Those among them that `phase` turns.
    character(*), parameter :: turned_variables(*) = [character(24) :: 'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin']
+   !> Those among them that the damping depends on where it follows from the modes.
+   character(*), parameter :: modal_variables(*) = [character(24) :: 'input_torque', 'prime_mover_inertia', 'load_inertia', &
+      'inertia', 'torque', 'damping_to_ground', 'stiffness', 'damping_ratio', 'damping', 'driving_radius', 'driven_radius', &
+      'driving_inertia', 'driven_inertia', 'back_stiffness']
    !> Name of the parameter that scales all mesh stiffness variations.
    character(*), parameter :: variation = 'stiffness_variation'
    !> Number of a value that no list has.
@@ -142,6 +147,8 @@ contains
       ! A face width may mean a stiffness that depends on the loads.
       if (any(train%meshes%face_width > 0)) parameter%direct = .false.
       if (any(turned_variables == parameter%variable) .and. any(abs(train%meshes%phase) > 0)) parameter%direct = .false.
+      ! Damping that follows from the modes changes with every number that they follow from.
+      if (damps_by_modes(train) .and. any(modal_variables == parameter%variable)) parameter%direct = .false.
       parameter%direct = parameter%direct .or. parameter%derived
       if (found == 0) then
          call refuse('no variable of &'//trim(parameter%group)//trim(suggestion()))
@@ -151,8 +158,14 @@ contains
          call refuse('a unit of the results, no property of the train')
       else if (row%values < 0 .and. parameter%item > 0) then
          call refuse('one number, no list')
+      else if (parameter%variable == 'input_torque' .and. allocated(train%bodies)) then
+         call refuse('not in force in this train: it is that of a chain; bodies have torques, as in "'// &
+                     trim(train%bodies(1)%name)//' torque"')
       else if (.not. is_given(row)) then
          call refuse('not in force in this train: it is not given')
+      else if (parameter%derived .and. damps_by_modes(train) .and. any(modal_variables == parameter%variable)) then
+         call refuse('not in force in this train: the drawing gives it, and loss_factor or modal_damping the damping that goes &
+                     &with it: name a number of the drawing, or give it in the case')
       else if (balances_others()) then
          call refuse('not in force in this train: the torque of this body balances those of all others')
       else if (is_toothed_radius()) then

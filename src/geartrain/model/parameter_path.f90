@@ -10,6 +10,7 @@ module geartrain_model_parameter_path
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_limits, only: check_frequency
    use geartrain_model_mesh, only: has_table, is_given
+   use geartrain_model_modal_damping, only: modes_of_loss_factors
    use geartrain_model_parameter, only: find_parameters, variation
    use geartrain_model_parameter_table, only: add_to_parameter, entry_type, parameter_type, table_type
    use geartrain_model_system, only: build_system, system_type
@@ -45,6 +46,8 @@ module geartrain_model_parameter_path
       !> the characteristic frequency, so that Lambda is as before.
       integer :: repeats = 1
       type(train_type), private :: train
+      !> Modes at which the loss factors of the train are equivalent amid the path, (element); 0: no loss factor.
+      integer, allocatable, private :: loss_mode(:)
       !> The variables that take the value, with * one of each group.
       type(parameter_type), allocatable, private :: parameter(:)
    contains
@@ -69,7 +72,7 @@ contains
       real(dp), intent(in) :: start, stop
       !> Added to where there is no such parameter, or no train somewhere between the ends.
       type(error_type), allocatable, intent(inout) :: error
-      type(train_type) :: given, plain
+      type(train_type) :: given, loaded, plain
       type(table_type) :: of_given, of_plain
       type(error_type), allocatable :: outside
       type(system_type) :: middle
@@ -101,6 +104,10 @@ contains
       self%amid = start + golden*(stop - start)
       call self%system_at(self%amid, middle)
       self%unknown = middle%network%elements(middle%mesh_element)%unknown
+      call self%train_at(self%amid, loaded)
+      call plain_train(loaded, plain)
+      call reduce_light_loads(plain)
+      self%loss_mode = modes_of_loss_factors(plain)
       call self%check_at(start, middle, error)
       call self%check_at(stop, middle, error)
       do i = 1, places
@@ -180,6 +187,14 @@ contains
       same = system%elements == middle%elements .and. system%states == middle%states .and. &
              system%cut%unknowns == middle%cut%unknowns .and. size(system%torque) == size(middle%torque)
       if (.not. same) call refuse('there the train is of another kind, with another number of coordinates')
+      if (.not. same) return
+      call reduce_light_loads(plain)
+      associate (mode => modes_of_loss_factors(plain))
+         same = size(mode) == size(self%loss_mode)
+         if (same) same = all(mode == self%loss_mode)
+      end associate
+      if (.not. same) call refuse('there a shaft or mesh with loss_factor has most strain energy in another mode than elsewhere in &
+                                  &the range, and its damping jumps: give damping or modal_damping instead')
 
    contains
 

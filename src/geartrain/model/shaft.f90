@@ -20,6 +20,8 @@ module geartrain_model_shaft
       !> Damping coefficient [N m s/rad], in force when `damping_given`.
       real(dp) :: damping = 0
       logical :: damping_given = .false.
+      !> Loss factor [1], in place of both; 0: not given.
+      real(dp) :: loss_factor = 0
       !> The bodies at both ends move as one.
       logical :: rigid = .false.
    end type shaft_type

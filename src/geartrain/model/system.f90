@@ -16,6 +16,7 @@ module geartrain_model_system
    use geartrain_model_mean, only: mean_rows, mean_type
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_mesh, only: is_given, put_law
+   use geartrain_model_modal_damping, only: resolve_damping
    use geartrain_model_network, only: accelerate, build_network, network_type
    use geartrain_model_rest, only: rest_forces
    use geartrain_model_torque_paths, only: find_torque_paths, torque_paths_type
@@ -94,6 +95,7 @@ contains
 
       call plain_train(given, train)
       call reduce_light_loads(train)
+      call resolve_damping(train)
       system%interrupt = train%interrupt
       system%characteristic_frequency = train%characteristic_frequency
       system%characteristic_length = train%characteristic_length

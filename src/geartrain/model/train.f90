@@ -24,6 +24,8 @@ module geartrain_model_train
       !> Unit of mesh displacement, b_c [m], and of frequency, omega_c [rad/s], equation (4); 0: 1 um, and Lambda is the speed in
       !> rpm.
       real(dp) :: characteristic_length = 0, characteristic_frequency = 0
+      !> Damping ratios of the modes [1], the last one for all higher modes; empty: damping is that of shafts and meshes.
+      real(dp), allocatable :: modal_damping(:)
       !> Name of the body whose revolutions are the speed; blank: the first body, the prime mover of a chain.
       character(name_length) :: speed_of = ''
       !> Derived: revolutions of this body per period of the fundamental [1]; 0: not known.

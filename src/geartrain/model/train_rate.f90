@@ -2,6 +2,7 @@
 module geartrain_model_train_rate
    use geartrain_base_kinds, only: dp
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
+   use geartrain_model_modal_damping, only: resolve_damping
    use geartrain_model_parameter, only: variation
    use geartrain_model_parameter_table, only: add_to_parameter, parameter_type, table_type
    use geartrain_model_train, only: train_type
@@ -138,6 +139,7 @@ contains
       if (.not. allowed) return
       call plain_train(changed, side)
       call reduce_light_loads(side)
+      call resolve_damping(side)
       call table%take(side)
    end subroutine derive
 

@@ -70,6 +70,9 @@ contains
       call v%on_real(row('characteristic_frequency', 'rad/s', 'unit in which frequencies are reported, omega_c; Lambda is the &
                          &fundamental frequency over it. May be left out where every mesh has teeth: Lambda is then the speed &
                          &in rpm', above=zero), train%characteristic_frequency, given)
+      call v%on_list(row('modal_damping', '', 'damping ratios of modes 1, 2, ...; the last one is that of all higher modes. Shafts &
+                         &and meshes without damping of their own get the damping >= 0 that comes nearest to them', least=zero, &
+                         most=one), train%modal_damping)
       word = trim(train%speed_of)
       call v%on_text(row('speed_of', '', 'name of the body whose revolutions are the speed in rpm; blank: the first body'), word)
       train%speed_of = word
@@ -132,12 +135,16 @@ contains
       call v%on_list(row('bore', 'm', 'bores of the sections; none: 0, one: of all', least=zero), shaft%bore)
       call v%on_list(row('length', 'm', 'lengths of the sections', above=zero), shaft%length)
       call v%on_real(row('shear_modulus', 'N/m^2', 'shear modulus, G', above=zero), shaft%shear_modulus)
-      by_ratio = .not. shaft%rigid .and. .not. shaft%damping_given
+      by_ratio = .not. (shaft%rigid .or. shaft%damping_given .or. shaft%loss_factor > 0)
       call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the bodies at the ends, without &
                          &what is rigidly joined to them; of a train without &body with it', &
                          least=zero), shaft%damping_ratio, by_ratio)
       call v%on_real(row('damping', 'N m s/rad', 'damping coefficient, instead of damping_ratio', least=zero, &
                          excludes='damping_ratio'), shaft%damping, shaft%damping_given)
+      given = shaft%loss_factor > 0
+      call v%on_real(row('loss_factor', '', 'structural damping, instead of damping_ratio: damping k loss_factor/omega, omega the &
+                         &natural frequency of the mode in which the shaft has most strain energy', least=zero, most=2*one), &
+                     shaft%loss_factor, given)
       call v%leave()
    end subroutine visit_shaft
 
@@ -174,11 +181,15 @@ contains
       call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action in the transverse plane; or by &
                          &stiffness_table, or by ISO 6336-1 where the drawing is given, less below a line load of 100 N/mm', &
                          above=zero), mesh%stiffness, plain)
-      by_ratio = .not. mesh%damping_given
+      by_ratio = .not. (mesh%damping_given .or. mesh%loss_factor > 0)
       call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a)', least=zero), &
                      mesh%damping_ratio, by_ratio)
       call v%on_real(row('damping', 'N s/m', 'damping coefficient, instead of damping_ratio', least=zero, &
                          excludes='damping_ratio'), mesh%damping, mesh%damping_given)
+      given = mesh%loss_factor > 0
+      call v%on_real(row('loss_factor', '', 'structural damping, instead of damping_ratio: damping k loss_factor/omega, omega the &
+                         &natural frequency of the mode in which the mesh has most strain energy', least=zero, most=2*one), &
+                     mesh%loss_factor, given)
       word = trim(mesh%damping_acts)
       call v%on_text(row('damping_acts', '', 'at all times, or in contact only: not while the teeth are apart', &
                          choices='always contact'), word)

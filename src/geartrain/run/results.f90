@@ -102,9 +102,12 @@ contains
       if (fields%way /= listing) call case_text(case, input)
       call carry_text(fields, row('input', '', '', 'the case, all defaults included: written to a file it runs again'), input)
       call plain_train(case%train, plain)
-      call warnings_text(case%train, warnings)
-      if (fields%has('warnings', warnings /= '')) call carry_text(fields, row('warnings', '', '', 'where a formula of the drawing &
-         &is used outside its range, a line each', only='where there are any', optional=.true.), warnings)
+      warnings = ''
+      ! A list of all fields has no train.
+      if (fields%way /= listing) call warnings_text(case%train, warnings)
+      if (fields%has('warnings', warnings /= '')) call carry_text(fields, row('warnings', '', '', 'what deserves a second look: &
+         &formulas of the drawing outside their range, modes of hardly any damping; a line each', &
+         only='where there are any', optional=.true.), warnings)
       value = plain%characteristic_length
       call carry(fields, row('characteristic_length', '', '', 'm'), value)
       value = plain%characteristic_frequency
