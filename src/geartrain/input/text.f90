@@ -73,10 +73,10 @@ contains
 
       call list_variables(rows)
       text = 'A real number that is not 0 has a magnitude from '//real_text(smallest)//' to '//real_text(largest)// &
-             '; in a list smaller ones count as well.'//newline// &
-             '`start` and `stop`, the keywords of calls, may stand for `from` and `to`, also at the end of a name.'//newline
+             '; numbers of a list may be smaller.'//newline//newline//'In calls `from` and `to` are named `start` and `stop`, also &
+                &at the end of a name. A case file takes both names.'//newline
       do i = 1, size(groups)
-         text = text//newline//'### `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
+         text = text//newline//'## `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
          if (.not. any(rows%group == groups(i)%name)) cycle
          text = text//newline//'| Variable | Type | Unit | Default | Allowed | Meaning |'//newline// &
                 '|---|---|---|---|---|---|'//newline
