@@ -2,17 +2,19 @@
 A stability map
 ===============
 
-Without backlash the train is linear, and its varying mesh stiffness can make it grow without bound, as a swing does that is pumped
-at twice its frequency: the wide tongues stand at twice a natural frequency (dotted), a thin one at the first itself. Damping lifts
-their tips off the axis.
+Without backlash the train is linear. Its varying mesh stiffness can still make vibration grow without bound (parametric
+resonance), as on a swing that is pumped at twice its frequency. Wide unstable regions stand at twice the natural frequencies
+(dotted), a thin one at the first natural frequency. Damping lifts the tips of these regions off the axis.
 """
+
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case("../../namelists/fig03.nml").train
+train = gt.read_case(Path(__file__).parents[2] / "namelists" / "fig03.nml").train
 chart = train.stability_map(
     start=0.5, stop=4.5, points=120, linear=True,
     parameter="stiffness_variation", parameter_start=0.0, parameter_stop=0.5, parameter_points=40,
@@ -22,3 +24,4 @@ for frequency in train.natural_frequencies()[:2]:
     ax.axvline(2 * frequency, color="black", linestyle=":")
     assert chart.spectral_radius[-1, abs(chart.frequency - 2 * frequency).argmin()] > 1
 assert (chart.spectral_radius[0] < 1).all()
+plt.show()
