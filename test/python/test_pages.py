@@ -16,7 +16,7 @@ def test_the_lines_of_a_page_run(page, executable, tmp_path, monkeypatch):
     (tmp_path / "namelists").symlink_to(ROOT / "namelists")
     if page == "output.md":
         (tmp_path / "results").mkdir()
-        subprocess.run([executable, "namelists/fig03.nml"], check=True, capture_output=True)
+        subprocess.run([executable, ROOT / "namelists" / "fig03.nml"], cwd="results", check=True, capture_output=True)
     names = {"__name__": "page"}
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / page).read_text(encoding="utf-8"), re.DOTALL)
     assert blocks
