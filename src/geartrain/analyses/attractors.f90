@@ -105,8 +105,8 @@ contains
       call v%enter('attractors', 1)
       call v%on_real(row('frequency', '', 'frequency, in `unit`', required=.true., above=zero), settings%frequency)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('starts', '', 'random starts: mesh displacements up to three times the static displacement, velocities &
-                            &up to the same amplitude times the frequency of the mesh vibrating alone', least=one, &
+      call v%on_integer(row('starts', '', 'random starts: displacements up to three times the static one, velocities up to this &
+                            &amplitude times the frequency of the mesh alone', least=one, &
                             most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
       call v%on_logical(row('follow', '', 'follow each motion that lies on no branch of the case as a further branch, over the &
@@ -377,7 +377,7 @@ contains
       if (allocated(found%motions)) n = size(found%motions)
       call carry_text(fields, field('ended', '', '', 'why it ended, in words'), &
                       found%ended, 'not yet: these are the motions so far')
-      call carry(fields, field('complete', '', '', '1: all starts are done'), found%complete)
+      call carry(fields, field('complete', '', '', '1 = all starts are done'), found%complete)
       call carry(fields, field('frequency', '', '', 'Lambda'), found%frequency_ratio)
       call carry(fields, field('starts', '', '', 'number of starts done', least=0, most=starts), found%starts)
       call carry(fields, field('random_seed', '', '', 'seed of the random starts'), found%random_seed)

@@ -95,15 +95,15 @@ contains
                         settings%displacement_points)
       call v%on_real(row('velocity_from', '', 'one end of the range of velocity over characteristic_length times &
                          &characteristic_frequency; both ends 0: plus and minus three times the static displacement times the &
-                         &frequency of the mesh vibrating alone'), settings%velocity_start)
+                            frequency of the mesh alone'), settings%velocity_start)
       call v%on_real(row('velocity_to', '', 'other end of the range of velocity'), settings%velocity_stop)
       call v%on_integer(row('velocity_points', '', 'starts along the velocity, both ends included', least=one, most=most_points), &
                         settings%velocity_points)
       call v%on_integer(row('starts', '', 'random starts that find the motions first, as in &attractors', least=one, &
                             most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same random starts'), settings%random_seed)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which a start that approaches no known motion is &
-                            &integrated until it settles, for at most 64 more', least=one), settings%max_periods)
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which a start near no known motion is integrated &
+                            &until it settles, at most 64 more', least=one), settings%max_periods)
       call visit_long_period(settings%long_period, v)
       call v%leave()
    end subroutine visit_basins
@@ -211,7 +211,7 @@ contains
       n = 0
       if (allocated(self%motions)) n = size(self%motions)
       call carry_text(fields, field('ended', '', '', 'why it ended, in words'), self%ended, 'not yet: these are the rows so far')
-      call carry(fields, field('complete', '', '', '1: all starts are done'), self%complete)
+      call carry(fields, field('complete', '', '', '1 = all starts are done'), self%complete)
       call carry(fields, field('frequency', '', '', 'Lambda'), self%frequency_ratio)
       call carry(fields, field('mesh_number', '', '', 'number of the mesh whose displacement and velocity vary', least=1), &
                                self%mesh)

@@ -327,7 +327,7 @@ contains
          if (.not. fields%enter('/bifurcation_diagram', 'sections of the attractors over frequency', .true.)) return
          call carry_text(fields, field('ended', '', '', 'why it ended, in words'), found%ended, &
                          'not yet: these are the points so far')
-         call carry(fields, field('complete', '', '', '1: all points are done'), found%complete)
+         call carry(fields, field('complete', '', '', '1 = all points are done'), found%complete)
          meshes = 0
          rows = 0
          sections = 0

@@ -90,9 +90,9 @@ contains
       call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up; with a &
                             &window at most 1000 cycles of the slowest mesh', least=one), &
                         settings%max_periods)
-      call v%on_integer(row('window', '', 'window, in cycles of the slowest mesh, over which values are taken after settling by &
-                            &the time constants of the train; 0: at least 100 where the period has more than 200 such cycles, or &
-                            &10 with an idle mesh; else one period', least=one, most=1e6*one, &
+      call v%on_integer(row('window', '', 'window of the results in cycles of the slowest mesh, after settling by time constants; &
+                            &0: at least 100 where the period has more than 200 such cycles, or 10 with an idle mesh; else one &
+                            &period', least=one, most=1e6*one, &
                             automatic=zero), settings%window)
       call v%on_real(row('tolerance', '', 'relative change per period at which a motion counts as settled', &
                          above=zero, most=one), settings%tolerance)
@@ -349,7 +349,7 @@ contains
       if (n > 0) call fields%describe('coordinates', 'frequency direction')
       call carry_text(fields, field('ended', '', '', 'why it ended, in words'), &
                       sweep%ended, 'not yet: these are the points so far')
-      call carry(fields, field('complete', '', '', '1: all points are done'), sweep%complete)
+      call carry(fields, field('complete', '', '', '1 = all points are done'), sweep%complete)
       call fields%index_axis('point', n, 'point, in the order visited')
       if (allocated(fields%wrong)) return
       if (fields%way == reading) then

@@ -84,8 +84,7 @@ contains
       call v%on_integer(row('mesh', '', 'number of the mesh of a contact onset; 0 for other kinds', &
                             least=zero), settings%mesh)
       word = trim(settings%parameter)
-      call v%on_text(row('parameter', '', "number of the train, as in 'input_torque', 'mesh 2 half_backlash', 'mesh * &
-                         &damping_ratio', 'stiffness_variation'; must be given"), word)
+      call v%on_text(row('parameter', '', "number of the train that varies, as in &response; must be given"), word)
       if (allocated(word)) settings%parameter = word
       call v%on_real(row('from', '', 'value of parameter at one end of the curve', required=.true.), &
                      settings%start)
@@ -260,8 +259,8 @@ contains
          call carry(fields, field('ends', 'side', '', "why the curve ended at its first and last point: range (end of the range of &
                                   &the parameter), closed, corner (the motion grazes a wall of a gap), double point, limit, &
                                   &symmetry, cancelled, failed", optional=.true.), locus%ends)
-         call carry(fields, field('complete', '', '', '1: the curve reached both ends of the range, or closes'), locus%complete)
-         call carry(fields, field('closed', '', '', '1: the curve closes'), locus%closed)
+         call carry(fields, field('complete', '', '', '1 = the curve reached both ends of the range, or closes'), locus%complete)
+         call carry(fields, field('closed', '', '', '1 = the curve closes'), locus%closed)
          call carry(fields, field('kind', '', '', 'kind of the special point'), locus%kind)
          call carry(fields, field('mesh', '', '', 'number of the mesh of a contact onset; else 0', least=0, &
                                   most=size(train%meshes)), locus%mesh)
@@ -304,11 +303,9 @@ contains
          call fields%begin_list('special_point')
          do i = 1, size(list)
             call fields%visit_item(i)
-            call carry(fields, field('kind', '', '', 'of a fold: cusp, isola centre, 1:1 resonance, fold-flip; of a doubling: &
-                                     &generalized doubling, 1:2 resonance, fold-flip; of a Neimark-Sacker point: &
-                                     &1:1 to 1:4 resonance, fold-neimark-sacker, flip-neimark-sacker, grazing; of a &
-                                     &branch point: grazing; of an onset, a fold or a doubling: grazing on a fold, &
-                                     &grazing on a doubling'), list(i)%kind)
+            call carry(fields, field('kind', '', '', 'cusp, isola centre, 1:1 to 1:4 resonance, generalized doubling, fold-flip, &
+                                     &fold-neimark-sacker, flip-neimark-sacker, grazing, grazing on a fold, grazing on a &
+                                     &doubling'), list(i)%kind)
             call carry(fields, field('frequency', '', '1', about_frequency), list(i)%frequency_ratio)
             call carry(fields, field('parameter', '', '', 'value of the parameter in its unit'), list(i)%parameter)
             call carry(fields, field('after_point', '', '1', 'point of the curve before the special point', least=0), list(i)%point)

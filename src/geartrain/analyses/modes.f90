@@ -19,8 +19,7 @@ module geartrain_analyses_modes
    public :: modes_analysis_type, modes_row
 
    type(group_row_type), parameter :: modes_row = group_row_type('modes', &
-      'Asks for natural frequencies, damping ratios and mode shapes of the linear train: mean mesh stiffness, all teeth in &
-         &contact.')
+      'Asks for natural frequencies, damping ratios and mode shapes of the linear train.')
 
    type, extends(analysis_type) :: modes_analysis_type
       type(modes_type), pointer :: result => null()

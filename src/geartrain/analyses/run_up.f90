@@ -29,8 +29,8 @@ module geartrain_analyses_run_up
    public :: run_up, run_up_analysis_type, run_up_row, run_up_settings_type
 
    type(group_row_type), parameter :: run_up_row = group_row_type('run_up', &
-      'Asks for a run-up or coast-down: the motion while the speed changes linearly in time. Where every mesh has teeth, torques &
-         &accelerate the inertias.', &
+      'Asks for a run-up or coast-down: the speed changes linearly in time. Where every mesh has teeth, torques accelerate the &
+         &inertias.', &
       steps='periods', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
@@ -80,12 +80,12 @@ contains
       call v%on_real(row('duration', 's', 'time from the beginning to the end', &
                          required=.true., above=zero), settings%duration)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('samples', '', 'equidistant samples per period of the fundamental at the higher frequency; 0: 32 per &
-                            &cycle of the fastest mesh, more where excitation or vibration is faster', &
+      call v%on_integer(row('samples', '', 'samples per period of the fundamental at the higher frequency; 0: at least 32 per &
+                            &cycle of the fastest mesh', &
                             least=one, most=most_samples*one, automatic=zero), settings%samples)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental to settle at the beginning, at most 1000 cycles of the &
-                            &slowest mesh where the common period is long; then the run-up starts from the state reached. 0: it &
-                            &starts at rest, or from the motion given in a call', &
+      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental, at most 1000 &
+                            &cycles of the slowest mesh where the common period is long; 0: start at rest, or from the motion &
+                            &given in a call', &
                             least=zero), settings%max_periods)
       call v%leave()
    end subroutine visit_variables
@@ -243,9 +243,9 @@ contains
          if (result%samples > 0) call fields%describe('coordinates', 'frequency window_time')
          call carry_text(fields, field('ended', '', '', 'why it ended, in words, and whether it began with a steady motion'), &
                          result%ended, 'not yet: these are the samples so far')
-         call carry(fields, field('complete', '', '', '1: the end of the run-up was reached'), result%complete)
+         call carry(fields, field('complete', '', '', '1 = the end of the run-up was reached'), result%complete)
          call carry(fields, field('start_period', '', '', 'period of the steady motion at the beginning, in periods of the &
-                                  &fundamental; 0: no steady motion, or its period is not known (see start_ringing)', least=0), &
+                                  &fundamental; 0: none, or not known', least=0), &
                                   result%start_period)
          call carry(fields, field('start_settling', '', 's', 'time of settling by the time constants of the train; 0: settled &
                                   &period by period, or not at all', optional=.true.), &
@@ -270,11 +270,12 @@ contains
          call carry(fields, field('frequency', 'time', '1', about_frequency), result%frequency_ratio)
          call carry(fields, field('displacement', 'time mesh', '1', 'mesh displacement / characteristic_length'), &
                     result%displacement)
-         call carry(fields, field('mesh_force', 'time mesh', 'N', 'mesh force, with damping and acceleration of the inertias'), &
+         call carry(fields, field('mesh_force', 'time mesh', 'N', 'total mesh force'), &
                                   result%mesh_force)
-         call carry(fields, field('shaft_torque', 'time shaft', 'N m', 'torque of the shaft, with damping and acceleration of the &
-                                  &inertias; NaN for a rigid shaft'), result%shaft_torque)
-         call carry(fields, field('window_time', 'window', 's', 'middle of the window'), result%window_time)
+         call carry(fields, field('shaft_torque', 'time shaft', 'N m', 'total torque of the shaft; NaN for a rigid shaft'), &
+                                  result%shaft_torque)
+         call carry(fields, field('window_time', 'window', 's', 'middle of the window, a tooth period of the slowest mesh'), &
+                                  result%window_time)
          call carry(fields, field('mesh_force_minimum', 'window mesh', 'N', &
                                   'smallest mesh force in the window, also between samples'), result%force_minimum)
          call carry(fields, field('mesh_force_maximum', 'window mesh', 'N', 'largest mesh force in the window, also between &

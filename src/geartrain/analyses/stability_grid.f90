@@ -124,7 +124,7 @@ contains
                             most=most_points), settings%parameter_points)
       call v%on_logical(row('linear', '', 'the train without backlash, all teeth in contact: shows parametric resonances; .false.: &
                             &the motions on the branch of each row'), settings%linear)
-      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda of the motions; 0: as many as tolerance needs, recommended for &
+      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda; 0: as many as tolerance needs, recommended for &
                             &trains with teeth; not used by a linear map', least=one, most=most_harmonics*one, &
                             automatic=zero), settings%harmonics)
       call v%on_real(row('tolerance', '', 'relative error of the waveform to reach where harmonics = 0', above=zero, most=one), &
@@ -323,14 +323,14 @@ contains
       integer :: meshes
 
       call carry_text(fields, field('ended', '', '', 'why it ended, in words'), map%ended, 'not yet: these are the rows so far')
-      call carry(fields, field('complete', '', '', '1: all rows are done, and each branch passed through the range'), &
+      call carry(fields, field('complete', '', '', '1 = all rows are done, and each branch passed through the range'), &
                  map%complete)
       begun = fields%has('parameter', allocated(map%parameter))
-      call carry(fields, field('linear', '', '', '1: map of the train without backlash', optional=.not. begun), map%linear)
+      call carry(fields, field('linear', '', '', '1 = map of the train without backlash', optional=.not. begun), map%linear)
       if (.not. begun) return
       call carry_text(fields, field('parameter_name', '', '', 'name of the parameter'), map%name)
       call carry_text(fields, field('parameter_unit', '', '', 'unit of the parameter'), map%unit)
-      call carry(fields, field('parameter', 'parameter', unit_of_grid(map), 'value of the parameter in its unit'), map%parameter)
+      call carry(fields, field('parameter', 'parameter', unit_of_grid(map), 'value of the parameter'), map%parameter)
       call carry(fields, field('frequency', 'frequency', '1', about_frequency), map%frequency_ratio)
       call carry(fields, field('row_done', 'parameter', '1', '1 = the row is computed'), map%done)
       call carry(fields, field('row_whole', 'parameter', '1', '1 = the branch of the row passed through the range; 0 = motions may &
@@ -340,9 +340,8 @@ contains
       call carry(fields, field('stable_motions', grid, '1', 'number of stable motions of period 1; 0: the train has another &
                                &motion, of a longer period or of none', least=0), map%stable_motions)
       if (allocated(map%multiplier)) radius = abs(map%multiplier)
-      if (fields%way /= reading) call carry(fields, field('spectral_radius', grid, '1', 'largest magnitude of a Floquet multiplier &
-                                        &of the most stable motion over a period of the fundamental; below 1: a stable motion; &
-                                        &NaN: no motion'), radius)
+      if (fields%way /= reading) call carry(fields, field('spectral_radius', grid, '1', 'largest magnitude of a multiplier of the &
+                                        &most stable motion over a period of the fundamental; NaN: no motion'), radius)
       call carry(fields, field('multiplier', grid//' complex', '1', 'multiplier of this magnitude: near +1 a fold or a resonance &
                                &at a natural frequency, near -1 a period doubling'), map%multiplier)
       if (.not. fields%has('rms', allocated(map%rms))) then

@@ -335,9 +335,9 @@ contains
       end if
       call carry(fields, row('coefficients', 'point mesh coefficient', '1', about_coefficients, optional=none), &
                  branch%coefficients)
-      call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform, against the exact motion &
-                             &at the same Lambda or, where the branch turns before it, at the fold; without rounding, about &
-                             &1e-14', optional=none), branch%error_estimate)
+      call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform without rounding (1e-14), &
+                             &against the exact motion at this Lambda or, where the branch turns before it, at the fold', &
+                             optional=none), branch%error_estimate)
       call carry(fields, row('mesh_error_estimate', 'point mesh', '1', 'estimated error of the waveform of a mesh over its &
                              &amplitude; equal to error_estimate for a mesh without backlash', optional=none), &
                  branch%mesh_error_estimate)
@@ -353,7 +353,7 @@ contains
       if (fields%has('correction', allocated(branch%correction))) then
          if (allocated(branch%correction)) untried = branch%correction(:branch%points) < -1
          call carry(fields, row('correction', 'point', '1', 'relative change of the waveform by refinement, the error before it; &
-                                &NaN: not refined, shooting finds no orbit near the point, as next to a fold', &
+                                &NaN: shooting finds no orbit near the point', &
                                 'with `refine`', none_is_negative=.true.), branch%correction)
          if (fields%has('untried', count_of(untried) > 0)) &
             call carry(fields, row('untried', 'point', '1', '1 = not yet refined', &
@@ -411,8 +411,7 @@ contains
       call carry(fields, row('count_undecided', 'point', '1', '1 = the number of multipliers outside the unit circle is a guess: &
                              &one is nearer to it than its error', on_stability), branch%count_undecided)
       call carry(fields, row('second_estimate', 'point', '1', 'largest magnitude of a multiplier of the motion corrected by its &
-                             &estimated error; NaN: not needed, because no contact event can change the result or the point is &
-                             &undecided anyway', on_stability, none_is_negative=.true.), &
+                             &estimated error; NaN: not needed', on_stability, none_is_negative=.true.), &
                  branch%second_estimate)
       if (fields%has('multipliers', branch%states > 0)) call carry(fields, row('multipliers', 'point state complex', '1', &
          about_multipliers//'; from 160 states (41 flexible shafts) on the 16 largest, rough inside the unit circle unless &

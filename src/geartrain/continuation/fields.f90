@@ -34,9 +34,9 @@ contains
                                   'with `parameter`', optional=.true.), branch%parameter)
       call carry_text(fields, row('parameter_unit', '', '', 'unit of the parameter; 1: dimensionless', &
                                   'with `parameter`', optional=.true.), branch%parameter_unit)
-      call carry(fields, row('complete', '', '', '1: the branch reached the other end of the range, or both branches traced from &
+      call carry(fields, row('complete', '', '', '1 = the branch reached the other end of the range, or both branches traced from &
                              &the ends left the range'), branch%complete)
-      call carry(fields, row('closed', '', '', '1: the branch closes, as an island; its last point is its first'), branch%closed)
+      call carry(fields, row('closed', '', '', '1 = the branch closes, as an island; its last point is its first'), branch%closed)
       call carry(fields, row('harmonics', '', '', 'number of harmonics; where the program chose them, the largest of all points', &
                              least=0), branch%harmonics)
       call carry(fields, row('subharmonic', '', '', 'period of the motions in periods of the fundamental', least=1), &
@@ -72,8 +72,8 @@ contains
             undecided = .false.
             if (allocated(branch%undecided) .and. fields%way /= listing) undecided = rests_on_undecided(branch, i)
             if (fields%has('undecided', allocated(branch%undecided))) &
-               call carry(fields, row('undecided', '', '1', '1 = the special point is a guess: on one side all of the next points &
-                                      &(at most five, up to the next special point) are undecided', on_stability), undecided)
+               call carry(fields, row('undecided', '', '1', '1 = the special point is a guess: on one side all of the next points, &
+                                      &at most five, are undecided', on_stability), undecided)
          end do
          call fields%end_list()
       end if
@@ -89,8 +89,8 @@ contains
       logical :: untried
 
       if (.not. fields%has('correction', begun)) return
-      call carry(fields, row('correction', '', '1', 'change of Lambda by refinement, the error before it; NaN: not refined, &
-                             &shooting finds no special point of this kind nearby', 'with `refine`', &
+      call carry(fields, row('correction', '', '1', 'change of Lambda by refinement, the error before it; NaN: shooting finds no &
+                             &such point nearby', 'with `refine`', &
                              none_is_negative=.true.), special%correction)
       untried = special%correction < -1
       if (.not. fields%has('untried', in_part)) return

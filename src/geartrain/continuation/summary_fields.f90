@@ -125,7 +125,7 @@ contains
       call carry(fields, row('rms_after', 'mesh', '1', '`rms` of the stable motion of the branch nearest in rms; NaN: the sweep &
                              &leaves the branch', none_is_negative=.true.), jump%after)
       call carry(fields, row('candidates', '', '1', 'number of other stable motions of the branch at this Lambda; above 1 &
-                             &rms_after is a guess, as a sweep may reach another motion'), &
+                             &rms_after is a guess'), &
                  jump%candidates)
       call carry(fields, row('undecided', '', '1', '1 = the jump is a guess: near it no decided point is stable on one side and &
                              &none unstable on the other, or the motion after it is undecided'), jump%undecided)
@@ -196,7 +196,7 @@ contains
       n = size(found)
       if (back) then
          if (.not. fields%enter(home//'/back_collision_ranges', 'ranges of Lambda in which the back flanks touch, p < &
-            &-half_backlash at an instant; under a negative torque they bear the load everywhere', &
+            &-half_backlash at an instant; everywhere under a negative torque', &
                                 n > 0)) return
       else
          if (.not. fields%enter(home//'/separation_ranges', 'ranges of Lambda in which the teeth separate, |p| < half_backlash &

@@ -37,7 +37,7 @@ contains
                          required=.true.), settings%stop)
       word = trim(settings%parameter)
       call v%on_text(row('parameter', '', "number of the train that varies at constant frequency, as in 'input_torque', 'mesh 2 &
-                         &half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: the frequency varies"), word)
+                         &half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none"), word)
       if (allocated(word)) settings%parameter = word
       given = abs(settings%frequency) > 0
       call v%on_real(row('frequency', '', 'constant frequency of a branch over parameter', above=zero), settings%frequency, given)
@@ -79,8 +79,8 @@ contains
                         settings%max_points)
       call v%on_integer(row('period_doublings', '', 'levels of period doubling to follow; 1: branches of twice the period, 2: also &
                             &of four times the period, ...', least=zero, most=6*one), settings%period_doublings)
-      call v%on_logical(row('branch_points', '', 'follow also the branches that cross at branch points, where a multiplier passes &
-                            &+1 without a fold, as where equal stages begin to move differently'), &
+      call v%on_logical(row('branch_points', '', 'follow also the branches that cross at branch points, as where equal stages &
+                            &begin to move differently'), &
                         settings%branch_points)
       call v%on_logical(row('refine', '', 'refine every point by shooting to about 1e-11, with its multipliers, also on further &
                             &branches'), settings%refine)

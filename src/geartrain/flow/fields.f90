@@ -16,8 +16,8 @@ module geartrain_flow_fields
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
    character(*), parameter :: about_mesh = 'mesh, in the order of the train', about_shaft = 'shaft, in the order of the train'
-   character(*), parameter :: about_rms = 'rms of Al-shyyab and Kahraman (2007) of mesh displacement / characteristic_length: root &
-      &of the sum of squared harmonic amplitudes without the mean, sqrt(2) times the true AC rms'
+   character(*), parameter :: about_rms = 'rms of the paper, of mesh displacement / characteristic_length: root of the sum of &
+      &squared harmonic amplitudes, sqrt(2) times the true AC rms'
    character(*), parameter :: about_true_ac_rms = 'root mean square over time of mesh displacement / characteristic_length without &
       &its mean; rms / sqrt(2)'
    character(*), parameter :: about_mean = 'mean mesh displacement / characteristic_length'
@@ -40,8 +40,8 @@ module geartrain_flow_fields
           optional=.true., none_is_negative=.true.), &
       row('separation_fraction', 'mesh', '1', &
           'share of the period with the teeth apart, |p| < half_backlash', optional=.true.), &
-      row('back_contact_fraction', 'mesh', '1', 'share of the period with the back flanks in contact, p < -half_backlash; under a &
-          &negative torque they bear the load', optional=.true.)]
+      row('back_contact_fraction', 'mesh', '1', 'share of the period with the back flanks in contact, p < -half_backlash', &
+          optional=.true.)]
 
    character(*), parameter :: of_torque = ' torque of a shaft over the period'
    type(row), parameter :: torques(3) = [ &
@@ -52,17 +52,17 @@ module geartrain_flow_fields
       row('shaft_torque_maximum', 'shaft', 'N m', 'largest'//of_torque//', signed as shaft_torque_mean', 'with `shaft_torque`', &
           optional=.true.)]
 
-   character(*), parameter :: longer = ' by a window ten times as long, 95 % bound', in_window = 'where `window` > 0'
+   character(*), parameter :: as_rms = 'as rms_uncertainty, for ', in_window = 'where `window` > 0'
    type(row), parameter :: of_displacement(5) = [ &
-      row('rms_uncertainty', 'mesh', '1', 'change of rms'//longer, in_window, optional=.true.), &
-      row('mean_uncertainty', 'mesh', '1', 'change of mean'//longer, in_window, optional=.true.), &
-      row('minimum_uncertainty', 'mesh', '1', 'change of minimum'//longer, in_window, optional=.true.), &
-      row('maximum_uncertainty', 'mesh', '1', 'change of maximum'//longer, in_window, optional=.true.), &
-      row('force_uncertainty', 'mesh', 'N', 'change of mesh_force_maximum'//longer, in_window, optional=.true.)]
+      row('rms_uncertainty', 'mesh', '1', 'change of rms by a window ten times as long, 95 % bound', in_window, optional=.true.), &
+      row('mean_uncertainty', 'mesh', '1', as_rms//'mean', in_window, optional=.true.), &
+      row('minimum_uncertainty', 'mesh', '1', as_rms//'minimum', in_window, optional=.true.), &
+      row('maximum_uncertainty', 'mesh', '1', as_rms//'maximum', in_window, optional=.true.), &
+      row('force_uncertainty', 'mesh', 'N', as_rms//'mesh_force_maximum', in_window, optional=.true.)]
    type(row), parameter :: of_torques(3) = [ &
-      row('torque_mean_uncertainty', 'shaft', 'N m', 'change of shaft_torque_mean'//longer, in_window, optional=.true.), &
-      row('torque_min_uncertainty', 'shaft', 'N m', 'change of shaft_torque_minimum'//longer, in_window, optional=.true.), &
-      row('torque_max_uncertainty', 'shaft', 'N m', 'change of shaft_torque_maximum'//longer, in_window, optional=.true.)]
+      row('torque_mean_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_mean', in_window, optional=.true.), &
+      row('torque_min_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_minimum', in_window, optional=.true.), &
+      row('torque_max_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_maximum', in_window, optional=.true.)]
 
    !> Carries the fields of the torques of shafts.
    interface carry_torques

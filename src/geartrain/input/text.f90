@@ -94,9 +94,18 @@ contains
 
       default = trim(row%default)
       if (row%variable%required) default = 'required'
-      text = text//'| `'//trim(row%variable%name)//'` | '//trim(row%kind)//' | '//trim(row%variable%unit)//' | '//default// &
-             ' | '//trim(row%variable%range())//' | '//trim(row%variable%description)//' |'//newline
+      text = text//'| `'//trim(row%variable%name)//'` |'//cell(row%kind)//cell(row%variable%unit)//cell(default)// &
+             cell(row%variable%range())//cell(row%variable%description)//newline
    end subroutine add_row
+
+   !> A cell of a table with the bar after it.
+   pure function cell(words) result(text)
+      character(*), intent(in) :: words
+      character(:), allocatable :: text
+
+      text = '|'
+      if (words /= '') text = ' '//trim(words)//' |'
+   end function cell
 
    subroutine begin_group(self, group, index)
       class(writer_type), intent(inout) :: self

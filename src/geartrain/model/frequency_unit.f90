@@ -23,7 +23,7 @@ contains
       character(:), allocatable :: word
 
       word = trim(unit)
-      call v%on_text(row('unit', '', 'unit of the frequencies; rpm only where every mesh has teeth; Hz of the fundamental', &
+      call v%on_text(row('unit', '', 'unit of the frequencies; rpm only where every mesh has teeth', &
                          choices='Lambda rpm Hz'), word)
       unit = word
    end subroutine visit_unit

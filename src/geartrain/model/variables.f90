@@ -90,7 +90,7 @@ contains
       call v%on_text(row('name', '', 'name for `between` of shafts and meshes', required=.true.), body%name)
       given = .not. abs(body%inertia + 1) <= 0
       call v%on_real(row('inertia', 'kg m^2', 'polar moment of inertia; 0 only where all its connections are rigid shafts. &
-                         &Default: from outer_diameter, else its gears as discs of their pitch diameters', &
+                         &Default: from outer_diameter, else of its gears as discs of their pitch diameters', &
                          least=zero), body%inertia, given)
       call v%on_list(row('outer_diameter', 'm', 'diameters of discs; their inertias are added', above=zero), body%outer_diameter)
       call v%on_list(row('bore', 'm', 'bores of the discs; one value: for all; none: 0', least=zero), body%bore)
@@ -103,8 +103,8 @@ contains
       call v%on_list(row('revolution_torque_cos', 'N m', 'cosine amplitudes of the torque on the body, orders 1, 2, ... of its &
                          &revolution; every mesh must have teeth'), body%revolution_torque_cos)
       call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%revolution_torque_sin)
-      call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of the vibration of the body against the ground; it does not &
-                         &act on the mean rotation: give a mean drag as torque', least=zero), body%damping_to_ground)
+      call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of the vibration of the body against the ground; give a mean &
+                         &drag as torque', least=zero), body%damping_to_ground)
       call v%on_logical(row('balances', '', 'the mean torque of the body balances all other torques, in a run-up also the &
                             &acceleration of the inertias; .true. for exactly one body'), &
                         body%balances)
@@ -200,7 +200,7 @@ contains
       rectangular = mesh%contact_ratio > 0
       call v%on_real(row('contact_ratio', '', 'gives kappa as the rectangular wave of the number of tooth pairs in contact, in &
                          &place of stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the &
-                         &beginning of the cycle for ratios of 1 to 2, 3 to 4, ..., at half the cycle for 2 to 3, ...', above=one, &
+                            beginning of the cycle if the integer part of the ratio is odd, else at half the cycle', above=one, &
                          most=10*one), mesh%contact_ratio, rectangular)
       call v%on_integer(row('stiffness_harmonics', '', 'number of harmonics taken of the rectangular wave', least=one, &
                             most=1000*one), mesh%stiffness_harmonics)

@@ -11,6 +11,9 @@ module geartrain_run_reference
    character(*), parameter :: newline = new_line('a')
    !> Groups whose items are motions.
    character(*), parameter :: of_motions(4) = [character(12) :: '/response', '/integration', '/attractors', '/basins']
+   !> Datasets that stand beside others in every group: the page says beside which.
+   character(*), parameter :: companions(*) = [character(24) :: 'mesh_label', 'shaft_label', 'complex', 'speed', &
+      'fundamental_frequency', 'speed_from', 'speed_to']
    !> Tables that describe a field, see share_of.
    integer, parameter :: own = 0, motions = 1, common = 2
 
@@ -56,7 +59,7 @@ contains
          do j = 1, fields%groups(i)%count
             associate (field => fields%groups(i)%fields(j))
                if (share_of(fields, i, j) /= common .or. has_before(fields, i, field, motions_only=.false.)) cycle
-               text = text//'| `'//trim(field%about%name)//'` | '//trim(field%about%unit)//' | '
+               text = text//'| `'//trim(field%about%name)//'` |'//cell(field%about%unit)//' '
                call add_meaning(field%about, text)
                text = text//' |'//newline
             end associate
@@ -113,6 +116,7 @@ contains
          do i = 1, group%count
             associate (about => group%fields(i)%about)
                if (about%dimensions == '') then
+                  if (any(companions == about%name)) cycle
                   attributes = attributes//'- `'//trim(about%name)//'`'
                   if (about%unit /= '' .and. about%unit /= '1') attributes = attributes//' ['//trim(about%unit)//']'
                   attributes = attributes//': '
@@ -135,27 +139,39 @@ contains
       !> Number of the group.
       integer, intent(in) :: number
       character(:), allocatable, intent(inout) :: text
-      character(:), allocatable :: words
+      character(:), allocatable :: words, names
       logical, allocatable :: done(:)
       integer :: i, j
 
       associate (group => fields%groups(number))
-         if (any(of_motions == group%path)) text = text//' It has the datasets of motions.'
-         allocate (done(group%count), source=.false.)
          words = ''
+         if (any(of_motions == group%path)) words = 'It has the datasets of motions.'
+         allocate (done(group%count), source=.false.)
+         names = ''
          do i = 1, group%count
-            if (done(i) .or. share_of(fields, number, i) /= common) cycle
+            if (done(i) .or. .not. is_named(i)) cycle
             do j = i, group%count
-               if (share_of(fields, number, j) /= common) cycle
+               if (.not. is_named(j)) cycle
                if (group%fields(j)%about%dimensions /= group%fields(i)%about%dimensions) cycle
                done(j) = .true.
-               if (words /= '') words = words//', '
-               words = words//'`'//trim(group%fields(j)%about%name)//'`'
+               if (names /= '') names = names//', '
+               names = names//'`'//trim(group%fields(j)%about%name)//'`'
             end do
-            words = words//' ('//trim(group%fields(i)%about%dimensions)//')'
+            names = names//' ('//trim(group%fields(i)%about%dimensions)//')'
          end do
-         if (words /= '') text = text//' From the first table: '//words//'.'
+         if (names /= '') words = trim(words//' From the first table: '//names//'.')
+         if (words /= '') text = text//newline//trim(adjustl(words))
       end associate
+
+   contains
+
+      logical function is_named(place)
+         integer, intent(in) :: place
+
+         is_named = share_of(fields, number, place) == common .and. .not. &
+                    any(companions == fields%groups(number)%fields(place)%about%name)
+      end function is_named
+
    end subroutine add_names
 
    !> Adds the first cells of a row: name, dimensions, unit and meaning.
@@ -166,10 +182,19 @@ contains
 
       text = text//'| `'//trim(about%name)//'` | '
       call add_with(trim(dimensions), ' ', ', ', text)
-      text = text//' | '//trim(about%unit)//' | '
+      text = text//' |'//cell(about%unit)//' '
       call add_meaning(about, text)
       text = text//' |'
    end subroutine add_row
+
+   !> A cell of a table with the bar after it.
+   pure function cell(words) result(text)
+      character(*), intent(in) :: words
+      character(:), allocatable :: text
+
+      text = '|'
+      if (words /= '') text = ' '//trim(words)//' |'
+   end function cell
 
    !> Adds the description of a field and when it exists.
    subroutine add_meaning(about, text)
