@@ -94,18 +94,23 @@ contains
 
       default = trim(row%default)
       if (row%variable%required) default = 'required'
-      text = text//'| `'//trim(row%variable%name)//'` |'//cell(row%kind)//cell(row%variable%unit)//cell(default)// &
-             cell(row%variable%range())//cell(row%variable%description)//newline
+      text = text//'| `'//trim(row%variable%name)//'` |'
+      call add_cell(row%kind, text)
+      call add_cell(row%variable%unit, text)
+      call add_cell(default, text)
+      call add_cell(row%variable%range(), text)
+      call add_cell(row%variable%description, text)
+      text = text//newline
    end subroutine add_row
 
-   !> A cell of a table with the bar after it.
-   pure function cell(words) result(text)
+   !> Adds a cell of a table with the bar after it.
+   subroutine add_cell(words, text)
       character(*), intent(in) :: words
-      character(:), allocatable :: text
+      character(:), allocatable, intent(inout) :: text
 
-      text = '|'
-      if (words /= '') text = ' '//trim(words)//' |'
-   end function cell
+      if (words /= '') text = text//' '//trim(words)//' '
+      text = text//'|'
+   end subroutine add_cell
 
    subroutine begin_group(self, group, index)
       class(writer_type), intent(inout) :: self

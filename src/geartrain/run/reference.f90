@@ -59,7 +59,9 @@ contains
          do j = 1, fields%groups(i)%count
             associate (field => fields%groups(i)%fields(j))
                if (share_of(fields, i, j) /= common .or. has_before(fields, i, field, motions_only=.false.)) cycle
-               text = text//'| `'//trim(field%about%name)//'` |'//cell(field%about%unit)//' '
+               text = text//'| `'//trim(field%about%name)//'` |'
+               call add_cell(field%about%unit, text)
+               text = text//' '
                call add_meaning(field%about, text)
                text = text//' |'//newline
             end associate
@@ -182,19 +184,21 @@ contains
 
       text = text//'| `'//trim(about%name)//'` | '
       call add_with(trim(dimensions), ' ', ', ', text)
-      text = text//' |'//cell(about%unit)//' '
+      text = text//' |'
+      call add_cell(about%unit, text)
+      text = text//' '
       call add_meaning(about, text)
       text = text//' |'
    end subroutine add_row
 
-   !> A cell of a table with the bar after it.
-   pure function cell(words) result(text)
+   !> Adds a cell of a table with the bar after it.
+   subroutine add_cell(words, text)
       character(*), intent(in) :: words
-      character(:), allocatable :: text
+      character(:), allocatable, intent(inout) :: text
 
-      text = '|'
-      if (words /= '') text = ' '//trim(words)//' |'
-   end function cell
+      if (words /= '') text = text//' '//trim(words)//' '
+      text = text//'|'
+   end subroutine add_cell
 
    !> Adds the description of a field and when it exists.
    subroutine add_meaning(about, text)
