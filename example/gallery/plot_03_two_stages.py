@@ -7,13 +7,14 @@ to load, without names. Harmonic balance follows the response through its folds.
 it stays on the stable (solid) parts and jumps where they end, at other speeds when the speed rises than when it falls.
 """
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 
 import geartrain as gt
 
-case = gt.read_case(Path(__file__).parents[2] / "namelists" / "fig03.nml")
+case = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "fig03.nml")
 branch = case.train.response(start=0.4, stop=1.2, harmonics=12)
 ax = branch.plot(mesh=2, jumps=True)
 sweep = case.train.sweep(start=0.41, stop=1.19, points=79, direction="both")

@@ -6,6 +6,7 @@ Bodies have names, and shafts and meshes join them in any order. Here one pinion
 a pump takes 3 of the 150 N m. The lightly loaded mesh of the pump rattles where the loaded meshes stay in contact.
 """
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -13,7 +14,7 @@ import matplotlib.pyplot as plt
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case(Path(__file__).parents[2] / "namelists" / "branched.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "branched.nml").train
 train.plot()
 
 # %%

@@ -6,13 +6,14 @@ Teeth, modules, face widths, backlash and diameters are enough input. Radii, sti
 from them, and ``explain`` lists each with its formula. The speed is in rpm.
 """
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 
 import geartrain as gt
 
-train = gt.read_case(Path(__file__).parents[2] / "namelists" / "reducer.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "reducer.nml").train
 train.plot(speed=3000)
 
 # %%

@@ -7,6 +7,7 @@ resonance), as on a swing that is pumped at twice its frequency. Wide unstable r
 (dotted), a thin one at the first natural frequency. Damping lifts the tips of these regions off the axis.
 """
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -14,7 +15,7 @@ import matplotlib.pyplot as plt
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case(Path(__file__).parents[2] / "namelists" / "fig03.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "fig03.nml").train
 chart = train.stability_map(
     start=0.5, stop=4.5, points=120, linear=True,
     parameter="stiffness_variation", parameter_start=0.0, parameter_stop=0.5, parameter_points=40,

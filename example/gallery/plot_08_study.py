@@ -7,6 +7,7 @@ work on it, or the cores of a cluster. A folder stores the finished points, so t
 this script once more, hence the line ``if __name__ == "__main__":``.
 """
 
+import sys
 import tempfile
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import numpy as np
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case(Path(__file__).parents[2] / "namelists" / "fig03.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "fig03.nml").train
 space = gt.Space({"mesh * damping_ratio": np.linspace(0.03, 0.1, 8), "stiffness_variation": np.linspace(0.05, 0.4, 8)})
 study = gt.Study(train, space, response={"start": 0.2, "stop": 2.6}, keep=["largest dynamic_factor"])
 

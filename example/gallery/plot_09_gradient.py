@@ -6,6 +6,7 @@ A gradient
 The picture shows by how many per cent the largest force of each mesh changes when a parameter grows by one per cent.
 """
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -14,7 +15,7 @@ import numpy as np
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case(Path(__file__).parents[2] / "namelists" / "fig03.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "fig03.nml").train
 motion = train.response(start=0.2, stop=2.6, harmonics=12).at(1.3)[0]
 values = {"input_torque": 150.0, "shaft 2 stiffness": 1e8, "mesh 1 stiffness": 2.5e8, "mesh 2 stiffness": 5e8,
           "mesh 1 damping_ratio": 0.05, "mesh 2 damping_ratio": 0.05, "mesh 1 half_backlash": 30e-6, "mesh 2 half_backlash": 30e-6}

@@ -7,6 +7,7 @@ spectra of the force of mesh 1. The rising lines are orders of the meshes. Near 
 is broad.
 """
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -14,7 +15,7 @@ import matplotlib.pyplot as plt
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case(Path(__file__).parents[2] / "namelists" / "reducer.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "reducer.nml").train
 run_up = train.run_up(start=200, stop=4000, unit="rpm", duration=2.0)
 below = run_up.mesh_force_minimum[:, 0] <= 0
 apart = run_up.speed[run_up.time.searchsorted(run_up.window_time[below])]

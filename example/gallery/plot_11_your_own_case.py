@@ -6,6 +6,7 @@ Four questions that you can ask of any case. Shooting checks harmonic balance: b
 not the transform, the stability analysis or the error estimate.
 """
 
+import sys
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -13,7 +14,7 @@ import matplotlib.pyplot as plt
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case(Path(__file__).parents[2] / "namelists" / "fig03.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "fig03.nml").train
 branch = train.response(start=0.2, stop=2.6, harmonics=12)
 
 # %%
