@@ -27,7 +27,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "speed_of": Variable("speed_of", "text", "str", "", False, "Name of the body whose speed is given in rpm; blank: the first body"),
     },
     "body": {
-        "name": Variable("name", "text", "str", None, True, "Name for `between` of shafts and meshes"),
+        "name": Variable("name", "text", "str", None, True, "Name by which shafts and meshes refer to the body"),
         "inertia": Variable("inertia", "real", "float", None, False, "Polar moment of inertia; 0 only where all its connections are rigid shafts. Default: from outer_diameter, else of its gears as discs of their pitch diameters; [kg m^2]; >= 0"),
         "outer_diameter": Variable("outer_diameter", "reals", "Series", None, False, "Diameters of discs; their inertias are added; [m]; > 0"),
         "bore": Variable("bore", "reals", "Series", None, False, "Bores of the discs; one value: for all; none: 0; [m]; >= 0"),

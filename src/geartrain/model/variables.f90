@@ -87,7 +87,7 @@ contains
       logical :: given
 
       call v%enter('body', index)
-      call v%on_text(row('name', '', 'name for `between` of shafts and meshes', required=.true.), body%name)
+      call v%on_text(row('name', '', 'name by which shafts and meshes refer to the body', required=.true.), body%name)
       given = .not. abs(body%inertia + 1) <= 0
       call v%on_real(row('inertia', 'kg m^2', 'polar moment of inertia; 0 only where all its connections are rigid shafts. &
                          &Default: from outer_diameter, else of its gears as discs of their pitch diameters', &
