@@ -1,5 +1,6 @@
 """The documentation site; scripts/site builds it."""
 
+import re
 import sys
 import warnings
 from pathlib import Path
@@ -63,17 +64,31 @@ def show(self, node, display):
     raise nodes.SkipNode
 
 
-def head(app, docname, source):
-    """What `geartrain --reference` prints is a page, with a title."""
-    if docname == "reference":
-        title = "# Variables of a case file\n\nAs `geartrain --reference` prints them.\n\n"
-        source[0] = title + source[0].replace("\n### ", "\n## ")
+#: Places of a clone that index.md links to, and the pages of the site that show them.
+PAGES = {"../example/gallery/": "gallery/index", "../CHANGELOG.md": "changes", "../src/geartrain.f90": "fortran/index"}
+
+
+def contents(text):
+    """The first page with the pages that each part links to as a part of the menu."""
+    for place, page in PAGES.items():
+        text = text.replace(f"]({place})", f"]({page}.md)")
+    for part in text.split("\n## ")[1:]:
+        pages = re.findall(r"\]\(([\w/-]+)\.md\)", part)
+        menu = [f":caption: {part.splitlines()[0]}", ":hidden:", ":maxdepth: 1", "", *pages]
+        text += "\n".join(["", "```{toctree}", *menu, "```", ""])
+    return text.replace("(gallery/index.md)", "(gallery/index.rst)")
+
+
+def add_menu(app, docname, source):
+    """The first page gets the menu of the site."""
+    if docname == "index":
+        source[0] = contents(source[0])
 
 
 def setup(app):
     app.add_html_math_renderer("mathml", (lambda self, node: show(self, node, False), None),
                                (lambda self, node: show(self, node, True), None))
-    app.connect("source-read", head)
+    app.connect("source-read", add_menu)
     app.connect("builder-inited", lambda app: fortran_pages.write(HERE.parent / "src", HERE / "fortran"))
 
 

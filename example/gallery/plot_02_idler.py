@@ -2,9 +2,9 @@
 An idler
 ========
 
-The idler has two meshes. Each of them pushes it once a tooth, and the two pushes come together or against each other as the
-teeth stand: ``phase`` says by how much of the mesh cycle the second mesh is late, as the angle between the three centres makes it.
-Against each other they hardly excite the resonance near 1.2, and another one instead, near 2.4.
+An idler has two meshes, and each mesh excites it once per tooth. The two excitations add up or cancel, depending on their phase.
+``phase`` is the lag of the second mesh in the mesh cycle; it follows from the angle between the three centres. In opposite phase
+the meshes hardly excite the resonance near 1.2, and excite another resonance near 2.4.
 """
 
 import matplotlib.pyplot as plt
@@ -15,7 +15,7 @@ plt.rcParams.update(gt.plot_style())
 
 
 def train(phase):
-    """Give the train whose second mesh is late by a phase [rad of the mesh cycle]."""
+    """Give the train whose second mesh lags by a phase [rad of the mesh cycle]."""
     pair = {"stiffness": 2.5e8, "damping_ratio": 0.08, "half_backlash": 30e-6, "stiffness_cos": [0.2]}
     return gt.Train(
         characteristic_length=30e-6, characteristic_frequency=9870.0,
@@ -32,10 +32,11 @@ def train(phase):
 
 
 figure, axes = plt.subplots(2, sharex=True, sharey=True, layout="constrained")
-for ax, phase, words in zip(axes, (0.0, 3.14159), ("together", "against each other")):
+for ax, phase, words in zip(axes, (0.0, 3.14159), ("in phase", "in opposite phase")):
     branch = train(phase).response(start=0.2, stop=2.6, harmonics=12)
     branch.plot(ax=ax, quantity="dynamic_factor")
-    ax.set_title(f"pushes {words}: at most {branch.dynamic_factor.max():.2f} times the mean force", fontsize=10)
+    ax.set_title(f"meshes {words}: at most {branch.dynamic_factor.max():.2f} times the mean force", fontsize=10)
     near = (branch.frequency > 1.0) & (branch.frequency < 1.4)
     assert (branch.dynamic_factor[near].max() > 2.5) == (phase == 0)
 axes[0].set_xlabel("")
+plt.show()

@@ -2,20 +2,23 @@
 A tree with a loop
 ==================
 
-Bodies have names, and shafts and meshes join them in any order: here a pinion drives two wheels, which drive one gear together, and
-a pump runs along with 3 of the 150 N m. So light a mesh rattles where the loaded ones do not part.
+Bodies have names, and shafts and meshes join them in any order. Here one pinion drives two wheels, both wheels drive one gear, and
+a pump takes 3 of the 150 N m. The lightly loaded mesh of the pump rattles where the loaded meshes stay in contact.
 """
+
+import sys
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case("../../namelists/branched.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "branched.nml").train
 train.plot()
 
 # %%
-# Each strip is a range of speeds at which the teeth of a mesh part while the motion is stable.
+# Each strip is a range of speeds in which the teeth of a mesh separate in a stable motion.
 
 branch = train.response(start=0.3, stop=2.6, harmonics=12)
 figure, ax = plt.subplots(figsize=(7, 3), layout="constrained")
@@ -28,3 +31,4 @@ ax.set_yticks(range(1, 6), train.mesh_labels)
 ax.invert_yaxis()
 ax.set_xlim(0.3, 2.6)
 ax.set_xlabel(r"fundamental frequency  $\Lambda$")
+plt.show()

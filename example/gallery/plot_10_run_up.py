@@ -2,16 +2,20 @@
 A run-up
 ========
 
-The reducer of the drawing runs up from 200 to 4000 rpm in two seconds. Forces over the speed, and their spectra: the lines that
-rise are the orders of the meshes; where teeth hammer, near 1700 and 3100 rpm, the spectrum is full.
+The reducer of the drawing runs up from 200 to 4000 rpm in two seconds. The pictures show the mesh forces over the speed, and the
+spectra of the force of mesh 1. The rising lines are orders of the meshes. Near 1700 and 3100 rpm the teeth hammer, and the spectrum
+is broad.
 """
+
+import sys
+from pathlib import Path
 
 import matplotlib.pyplot as plt
 
 import geartrain as gt
 
 plt.rcParams.update(gt.plot_style())
-train = gt.read_case("../../namelists/reducer.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "reducer.nml").train
 run_up = train.run_up(start=200, stop=4000, unit="rpm", duration=2.0)
 below = run_up.mesh_force_minimum[:, 0] <= 0
 apart = run_up.speed[run_up.time.searchsorted(run_up.window_time[below])]
@@ -20,3 +24,4 @@ figure, axes = plt.subplots(2, layout="constrained", figsize=(7, 7))
 run_up.plot(ax=axes[0])
 run_up.waterfall(number=1, ax=axes[1], highest=5000)
 axes[0].set_xlabel("")
+plt.show()

@@ -52,7 +52,7 @@ def table(executable):
     text = subprocess.run([executable, "--reference"], check=True, capture_output=True, text=True).stdout
     variables = []
     for line in text.splitlines():
-        if heading := re.match(r"### `&(\w+)`", line):
+        if heading := re.match(r"## `&(\w+)`", line):
             group = heading[1]
         elif row := re.match(r"\| `(\w+)` \|", line):
             cells = [cell.strip() for cell in line.split("|")[1:-1]]

@@ -1,4 +1,4 @@
-!> The analysis &attractors: the steady motions that random starts settle on at one frequency, and the share of each. Motions
+!> The analysis &attractors: the steady motions that random starts reach at one frequency, and the share of each. Motions
 !> without a period are kept where they are chaotic or quasi-periodic.
 module geartrain_analyses_attractors
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
@@ -38,7 +38,7 @@ module geartrain_analyses_attractors
       collect, error_share
 
    type(group_row_type), parameter :: attractors_row = group_row_type('attractors', 'Asks for the steady motions that random &
-      &starts settle on at one frequency, and their shares.', steps='starts', set_aside=.true.)
+      &starts reach at one frequency, and their shares.', steps='starts', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
    !> Relative error of the figures of a settled motion over the tolerance of its settling, at most.
@@ -106,21 +106,20 @@ contains
 
       settings => self%settings
       call v%enter('attractors', 1)
-      call v%on_real(row('frequency', '', 'Lambda, or in `unit`', required=.true., above=zero), settings%frequency)
+      call v%on_real(row('frequency', '', 'frequency, in `unit`', required=.true., above=zero), settings%frequency)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('starts', '', 'random starts: mesh displacements up to three times the resting displacement, &
-                            &velocities up to this amplitude times the frequency of the mesh vibrating alone', least=one, &
+      call v%on_integer(row('starts', '', 'random starts: displacements up to three times the static one, velocities up to this &
+                            &amplitude times the frequency of the mesh alone', least=one, &
                             most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
-      call v%on_logical(row('follow', '', 'each motion found that lies on no branch of the case yet is followed as one, over the &
+      call v%on_logical(row('follow', '', 'follow each motion that lies on no branch of the case as a further branch, over the &
                             &range of &response and with its settings'), settings%follow)
-      call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of each motion; 0: 16 of the highest &
-                            &mesh order', &
+      call v%on_integer(row('harmonics', '', 'harmonics of Lambda to store; 0: 16 times the highest mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
       call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled start is given up', &
          &least=one), &
                         settings%max_periods)
-      call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
+      call v%on_real(row('tolerance', '', 'relative change per period at which a motion counts as settled', &
                          above=zero, most=one), settings%tolerance)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every motion'), settings%stability)
       call visit_long_period(settings%long_period, v)
@@ -375,18 +374,18 @@ contains
       class(fields_type), intent(inout) :: fields
       integer :: n
 
-      if (.not. fields%enter('/attractors', 'steady motions that random starts settle on at one frequency', &
+      if (.not. fields%enter('/attractors', 'steady motions that random starts reach at one frequency', &
                              .true.)) return
       n = 0
       if (allocated(found%motions)) n = size(found%motions)
-      call carry_text(fields, field('ended', '', '', 'why it ended, in words, and whether the train floats in its gaps'), &
+      call carry_text(fields, field('ended', '', '', 'why it ended, in words'), &
                       found%ended, 'not yet: these are the motions so far')
-      call carry(fields, field('complete', '', '', '1: all starts are done'), found%complete)
+      call carry(fields, field('complete', '', '', '1 = all starts are done'), found%complete)
       call carry(fields, field('frequency', '', '', 'Lambda'), found%frequency_ratio)
-      call carry(fields, field('starts', '', '', 'starts done', least=0, most=starts), found%starts)
-      call carry(fields, field('random_seed', '', '', 'what the starts were made from'), found%random_seed)
-      call carry(fields, field('unsettled', '', '', 'share of the starts that settled on none of these within `max_periods`, or &
-                             &ran away: with `share` it sums to 1'), found%unsettled)
+      call carry(fields, field('starts', '', '', 'number of starts done', least=0, most=starts), found%starts)
+      call carry(fields, field('random_seed', '', '', 'seed of the random starts'), found%random_seed)
+      call carry(fields, field('unsettled', '', '', 'share of the starts that did not settle within `max_periods` or grew without &
+                               &bound; with all `share` it sums to 1'), found%unsettled)
       call fields%index_axis('motion', n, 'motion, largest share first')
       if (allocated(fields%wrong)) return
       if (fields%way == reading) then

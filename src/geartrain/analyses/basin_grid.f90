@@ -83,26 +83,27 @@ contains
       class(visitor_type), intent(inout) :: v
 
       call v%enter('basins', 1)
-      call v%on_real(row('frequency', '', 'Lambda, or in `unit`', required=.true., above=zero), settings%frequency)
+      call v%on_real(row('frequency', '', 'frequency, in `unit`', required=.true., above=zero), settings%frequency)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('mesh', '', 'number of the mesh whose displacement and velocity vary from start to start', &
+      call v%on_integer(row('mesh', '', 'number of the mesh whose displacement and velocity the starts vary', &
                             least=one), settings%mesh)
-      call v%on_real(row('displacement_from', '', 'one end of the range of the displacement over the characteristic length; both &
-                         &0: three times that at rest either way (displacement_start in a call)'), settings%displacement_start)
-      call v%on_real(row('displacement_to', '', 'its other end (displacement_stop in a call)'), settings%displacement_stop)
-      call v%on_integer(row('displacement_points', '', 'starts along it, both ends included', least=one, most=most_points), &
+      call v%on_real(row('displacement_from', '', 'one end of the range of displacement over characteristic_length; both ends 0: &
+                         &plus and minus three times the static displacement'), settings%displacement_start)
+      call v%on_real(row('displacement_to', '', 'other end of the range of displacement'), settings%displacement_stop)
+      call v%on_integer(row('displacement_points', '', 'starts along the displacement, both ends included', least=one, &
+                            most=most_points), &
                         settings%displacement_points)
-      call v%on_real(row('velocity_from', '', 'one end of the range of the velocity over characteristic length times frequency; &
-                         &both 0: three times the displacement at rest, times the frequency of the mesh vibrating alone &
-                         &(velocity_start in a call)'), settings%velocity_start)
-      call v%on_real(row('velocity_to', '', 'its other end (velocity_stop in a call)'), settings%velocity_stop)
-      call v%on_integer(row('velocity_points', '', 'starts along it, both ends included', least=one, most=most_points), &
+      call v%on_real(row('velocity_from', '', 'one end of the range of velocity over characteristic_length times &
+                         &characteristic_frequency; both ends 0: plus and minus three times the static displacement times the &
+                            frequency of the mesh alone'), settings%velocity_start)
+      call v%on_real(row('velocity_to', '', 'other end of the range of velocity'), settings%velocity_stop)
+      call v%on_integer(row('velocity_points', '', 'starts along the velocity, both ends included', least=one, most=most_points), &
                         settings%velocity_points)
-      call v%on_integer(row('starts', '', 'random starts that find the motions first, as of &attractors', least=one, &
+      call v%on_integer(row('starts', '', 'random starts that find the motions first, as in &attractors', least=one, &
                             most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same random starts'), settings%random_seed)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which a start that goes to no known motion is &
-                            &settled the long way, and given up after 64 more', least=one), settings%max_periods)
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which a start near no known motion is integrated &
+                            &until it settles, at most 64 more', least=one), settings%max_periods)
       call visit_long_period(settings%long_period, v)
       call v%leave()
    end subroutine visit_basins
@@ -205,40 +206,45 @@ contains
       class(fields_type), intent(inout) :: fields
       integer :: n, states
 
-      if (.not. fields%enter('/basins', 'which steady motion each start reaches at one frequency', .true.)) return
+      if (.not. fields%enter('/basins', 'basins of attraction: the steady motion that each start reaches at one frequency', &
+         .true.)) return
       n = 0
       if (allocated(self%motions)) n = size(self%motions)
       call carry_text(fields, field('ended', '', '', 'why it ended, in words'), self%ended, 'not yet: these are the rows so far')
-      call carry(fields, field('complete', '', '', '1: all starts are done'), self%complete)
+      call carry(fields, field('complete', '', '', '1 = all starts are done'), self%complete)
       call carry(fields, field('frequency', '', '', 'Lambda'), self%frequency_ratio)
-      call carry(fields, field('mesh_number', '', '', 'mesh whose displacement and velocity vary', least=1), self%mesh)
-      call carry(fields, field('starts', '', '', 'random starts that found the motions first', least=0), self%starts)
-      call carry(fields, field('random_seed', '', '', 'what the random starts were made from'), self%random_seed)
-      call carry(fields, field('unsettled', '', '', 'share of the starts of the grid that settled on no motion'), &
+      call carry(fields, field('mesh_number', '', '', 'number of the mesh whose displacement and velocity vary', least=1), &
+                               self%mesh)
+      call carry(fields, field('starts', '', '', 'number of random starts that found the motions first', least=0), self%starts)
+      call carry(fields, field('random_seed', '', '', 'seed of the random starts'), self%random_seed)
+      call carry(fields, field('unsettled', '', '', 'share of the starts of the grid that reached no motion'), &
                  self%unsettled)
-      call carry(fields, field('unbounded', '', '', 'share of the starts of the grid that grew without bound: with grid_share &
-                             &and `unsettled` it sums to 1'), self%unbounded)
-      call carry(fields, field('displacement', 'displacement', '1', 'of the mesh at phase 0 / characteristic_length'), &
+      call carry(fields, field('unbounded', '', '', 'share of the starts of the grid that grew without bound; with grid_share and &
+                               &`unsettled` it sums to 1'), self%unbounded)
+      call carry(fields, field('displacement', 'displacement', '1', 'displacement of the mesh at phase 0 / &
+                               &characteristic_length'), &
                  self%displacement)
-      call carry(fields, field('velocity', 'velocity', '1', 'of the mesh at phase 0 / (characteristic_length times &
-                             &characteristic_frequency)'), self%velocity)
+      call carry(fields, field('velocity', 'velocity', '1', 'velocity of the mesh at phase 0 / (characteristic_length times &
+                               &characteristic_frequency)'), self%velocity)
       call carry(fields, field('label', 'velocity displacement', '1', 'number of the motion that the start reaches, from 1; 0: &
-                             &none, -1: it grows without bound, -2: not done yet', least=not_done), self%label)
+                               &none, -1: growth without bound, -2: not done yet', least=not_done), self%label)
       states = 0
       if (allocated(self%base)) states = size(self%base)
       call fields%index_axis('start_coordinate', states, 'coordinate of `start_state`, in the order of `initial_state`')
-      call carry(fields, field('start_state', 'start_coordinate', '1', 'state at phase 0 that the starts have, but for &
-                             &the displacement and velocity of the mesh'), self%base)
+      call carry(fields, field('start_state', 'start_coordinate', '1', 'state of all starts at phase 0, apart from displacement &
+                               &and velocity of the mesh'), self%base)
       call carry(fields, field('displacement_place', '', '', 'place of the displacement of the mesh in the state, from 1', &
                                least=1), self%displacement_place)
-      call carry(fields, field('velocity_place', '', '', 'place of its velocity, from 1', least=1), self%velocity_place)
+      call carry(fields, field('velocity_place', '', '', 'place of the velocity of the mesh in the state, from 1', least=1), &
+                               self%velocity_place)
       call fields%index_axis('motion', n, 'motion: as random starts found them, largest share first, then those that only the &
                            &grid found')
-      call carry(fields, field('grid_share', 'motion', '1', 'share of the starts of the grid', optional=.true.), &
+      call carry(fields, field('grid_share', 'motion', '1', 'share of the starts of the grid that reach the motion', &
+                               optional=.true.), &
                  self%grid_share)
-      call carry(fields, field('grid_share_error', 'motion', '1', 'its standard error as a share of the area, from how the &
-                             &neighbours of each start agree', optional=.true.), self%grid_share_error)
-      call carry(fields, field('share_error', 'motion', '1', 'standard error of `share`, that of the random starts', &
+      call carry(fields, field('grid_share_error', 'motion', '1', 'standard error of grid_share as a share of the area, from the &
+                               &agreement of neighbouring starts', optional=.true.), self%grid_share_error)
+      call carry(fields, field('share_error', 'motion', '1', 'standard error of `share`', &
                              optional=.true.), self%share_error)
       if (allocated(fields%wrong)) return
       if (fields%way == reading) then

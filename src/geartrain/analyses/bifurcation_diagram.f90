@@ -98,19 +98,19 @@ contains
 
       associate (settings => self%settings)
          call v%enter('bifurcation_diagram', 1)
-         call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+         call v%on_real(row('from', '', 'one end of the frequency range', required=.true., above=zero), &
                         settings%start)
-         call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+         call v%on_real(row('to', '', 'other end of the frequency range', required=.true., above=zero), settings%stop)
          call visit_unit(settings%unit, v)
          call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=1e5*one), &
                            settings%points)
          word = trim(settings%direction)
-         call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the last state &
-                            &before', choices='up down both'), word)
+         call v%on_text(row('direction', '', 'order of the frequencies; each starts from the last state before', choices='up down &
+                            &both'), word)
          settings%direction = word
-         call v%on_integer(row('transient', '', 'periods of the fundamental before the sections of a frequency', least=zero), &
+         call v%on_integer(row('transient', '', 'periods of the fundamental that are left out before the sections', least=zero), &
                            settings%transient)
-         call v%on_integer(row('sections', '', 'sections of a frequency, one at phase 0 of each period of the fundamental', &
+         call v%on_integer(row('sections', '', 'sections at each frequency, one at phase 0 of each period of the fundamental', &
                                least=10*one, most=most_sections), settings%sections)
          call visit_long_period(settings%long_period, v)
          call v%leave()
@@ -329,7 +329,7 @@ contains
          if (.not. fields%enter('/bifurcation_diagram', 'sections of the attractors over frequency', .true.)) return
          call carry_text(fields, field('ended', '', '', 'why it ended, in words'), found%ended, &
                          'not yet: these are the points so far')
-         call carry(fields, field('complete', '', '', '1: all points are done'), found%complete)
+         call carry(fields, field('complete', '', '', '1 = all points are done'), found%complete)
          meshes = 0
          rows = 0
          sections = 0
@@ -346,22 +346,23 @@ contains
          call fields%index_axis('state', states, 'number of the exponent, or of the coordinate of the state')
          call carry(fields, field('frequency', 'point', '1', about_frequency), found%frequency_ratio)
          call carry(fields, field('direction', 'point', '', 'direction of the sweep: up or down'), found%direction)
-         call carry(fields, field('kind', 'point', '', 'periodic, quasi-periodic, chaotic, still settling (or of a period longer &
-                                &than half the sections), undecided, unbounded; empty: not done'), found%kind)
+         call carry(fields, field('kind', 'point', '', 'periodic, quasi-periodic, chaotic, still settling (or a period above half &
+                                  &the sections), undecided, unbounded; blank: not done'), found%kind)
          call carry(fields, field('period', 'point', '1', 'period in periods of the fundamental; 0 = none found', least=0), &
                     found%period)
          call carry(fields, field('displacement', 'point section mesh', '1', 'mesh displacement at phase 0 / characteristic_length&
                                 &; NaN: of a mesh that closes a loop, or not done'), found%displacement)
-         call carry(fields, field('velocity', 'point section mesh', '1', 'its velocity / (characteristic_length times &
-                                &characteristic_frequency)'), found%velocity)
-         call carry(fields, field('lyapunov_exponents', 'point state', '1', 'Lyapunov exponents per unit of time &
-                                &(1/characteristic_frequency), largest first'), found%exponents)
-         call carry(fields, field('lyapunov_errors', 'point state', '1', 'their uncertainties at 95 %'), found%errors)
+         call carry(fields, field('velocity', 'point section mesh', '1', 'mesh velocity at phase 0 / (characteristic_length times &
+                                  &characteristic_frequency)'), found%velocity)
+         call carry(fields, field('lyapunov_exponents', 'point state', '1', 'Lyapunov exponents / characteristic_frequency, &
+                                  &largest first'), found%exponents)
+         call carry(fields, field('lyapunov_errors', 'point state', '1', 'uncertainties of lyapunov_exponents at 95 %'), &
+                                  found%errors)
          call carry(fields, field('rotation_number', 'point', '1', 'of a quasi-periodic motion: turns of the sections about their &
-                                &middle in a period of the fundamental, 0 to 1/2; about a motion of period n on each of n curves, &
-                                &0 to 1/(2n); NaN of any other'), found%rotation)
-         call carry(fields, field('final_state', 'point state', '1', 'state at phase 0 after the last section, with which the &
-                                &next point begins'), found%state)
+                                  &centre per period of the fundamental, 0 to 1/2, or 0 to 1/(2n) on n curves; NaN of any other &
+                                  &motion'), found%rotation)
+         call carry(fields, field('final_state', 'point state', '1', 'state at phase 0 after the last section; the next point &
+                                  &starts from it'), found%state)
       end associate
    end subroutine visit_fields
 

@@ -34,7 +34,7 @@ module geartrain_analyses_integration
       sweep_type
 
    type(group_row_type), parameter :: integration_row = group_row_type('integration', &
-      'Asks for the steady motions that time integration settles on, over frequency.')
+      'Asks for steady motions over frequency by time integration, a sweep.')
 
    real(dp), parameter :: zero = 0, one = 1
    !> Most harmonics that are stored of a motion.
@@ -75,26 +75,25 @@ contains
 
       settings => self%settings
       call v%enter('integration', 1)
-      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+      call v%on_real(row('from', '', 'one end of the frequency range', required=.true., above=zero), &
                      settings%start)
-      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call v%on_real(row('to', '', 'other end of the frequency range', required=.true., above=zero), settings%stop)
       call visit_unit(settings%unit, v)
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=1e5*one), settings%points)
       word = trim(settings%direction)
-      call v%on_text(row('direction', '', 'order in which the frequencies are visited, each starting from the motion before', &
+      call v%on_text(row('direction', '', 'order of the frequencies; each starts from the motion before', &
                          choices='up down both'), word)
       settings%direction = word
-      call v%on_integer(row('harmonics', '', 'harmonics of Lambda that are stored of the motion; 0: 16 of the highest &
-                            &mesh order', &
+      call v%on_integer(row('harmonics', '', 'harmonics of Lambda to store; 0: 16 times the highest mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up; of &
-                            &a motion with a window 1000 cycles of the slowest mesh, if that is less', least=one), &
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up; with a &
+                            &window at most 1000 cycles of the slowest mesh', least=one), &
                         settings%max_periods)
-      call v%on_integer(row('window', '', 'cycles of the slowest mesh over which figures are taken, after settling by the time &
-                            &constants of the train; 0: 100 or more where the period has more than 200 such cycles, or 10 and &
-                            &some mesh is idle; else the figures are those of a period', least=one, most=1e6*one, &
+      call v%on_integer(row('window', '', 'window of the results in cycles of the slowest mesh, after settling by time constants; &
+                            &0: at least 100 where the period has more than 200 such cycles, or 10 with an idle mesh; else one &
+                            &period', least=one, most=1e6*one, &
                             automatic=zero), settings%window)
-      call v%on_real(row('tolerance', '', 'relative change over a period of the motion at which it counts as settled', &
+      call v%on_real(row('tolerance', '', 'relative change per period at which a motion counts as settled', &
                          above=zero, most=one), settings%tolerance)
       call v%on_logical(row('stability', '', 'Floquet multipliers of every settled motion'), settings%stability)
       call v%leave()
@@ -342,14 +341,14 @@ contains
       character(4), allocatable :: direction(:)
       integer :: n, i
 
-      if (.not. fields%enter('/integration', 'time integration to steady motion over a range of frequencies, each begun with &
-                             &the state that the one before ended in', .true.)) return
+      if (.not. fields%enter('/integration', 'steady motions by time integration over a range of frequencies; each starts from the &
+         &final state before', .true.)) return
       n = 0
       if (allocated(sweep%motions)) n = count(sweep%motions%frequency_ratio > 0)
       if (n > 0) call fields%describe('coordinates', 'frequency direction')
-      call carry_text(fields, field('ended', '', '', 'why it ended, in words, and whether the train floats in its gaps'), &
+      call carry_text(fields, field('ended', '', '', 'why it ended, in words'), &
                       sweep%ended, 'not yet: these are the points so far')
-      call carry(fields, field('complete', '', '', '1: all points are done'), sweep%complete)
+      call carry(fields, field('complete', '', '', '1 = all points are done'), sweep%complete)
       call fields%index_axis('point', n, 'point, in the order visited')
       if (allocated(fields%wrong)) return
       if (fields%way == reading) then
@@ -369,7 +368,7 @@ contains
       if (fields%way == reading) &
          call fields%check(all([(allocated(sweep%motions(i)%state) .and. sweep%motions(i)%frequency_ratio > 0, i=1, n)]), &
                            'initial_state')
-      call carry(fields, field('direction', 'point', '', '`up` or `down`: the way in which the sweep went'), direction)
+      call carry(fields, field('direction', 'point', '', 'direction of the sweep: up or down'), direction)
       if (fields%way == reading .and. .not. allocated(fields%wrong)) sweep%direction(:n) = direction
    end subroutine visit_sweep
 

@@ -30,8 +30,8 @@ module geartrain_analyses_locus
    public :: locus_analysis_type, locus_row, locus_settings_type
 
    type(group_row_type), parameter :: locus_row = group_row_type('locus', &
-      'Asks for the curve of a fold, a doubling, a Neimark-Sacker point, a branch point or a contact onset of the response over &
-      &frequency and a number of the train.', set_aside=.true.)
+      'Asks for the curve of a special point or contact onset of the response over frequency and a number of the train.', &
+         set_aside=.true.)
 
    real(dp), parameter :: zero = 0
 
@@ -76,22 +76,21 @@ contains
       settings => self%settings
       call v%enter('locus', 1)
       word = trim(settings%kind)
-      call v%on_text(row('kind', '', 'kind of the special point; separation and back_contact: where a mesh begins to separate, or &
-                         &its back flanks to touch', choices='fold period_doubling neimark-sacker branch_point &
+      call v%on_text(row('kind', '', 'kind of the point; separation and back_contact are the onsets of tooth separation and of &
+                         &contact of the back flanks', choices='fold period_doubling neimark-sacker branch_point &
                          &separation back_contact'), word)
       if (allocated(word)) settings%kind = word
-      call v%on_real(row('near', '', 'frequency near which it is on the response, in the `unit`', required=.true., above=zero), &
+      call v%on_real(row('near', '', 'frequency near which the point lies on the response', required=.true., above=zero), &
                      settings%near)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('mesh', '', 'number of the mesh that separates or whose back flanks touch; 0 for other kinds', &
+      call v%on_integer(row('mesh', '', 'number of the mesh of a contact onset; 0 for other kinds', &
                             least=zero), settings%mesh)
       word = trim(settings%parameter)
-      call v%on_text(row('parameter', '', "number of the train, as in 'input_torque', 'mesh 2 half_backlash', &
-                         &'mesh * damping_ratio', 'stiffness_variation'; must be given"), word)
+      call v%on_text(row('parameter', '', "number of the train that varies, as in &response; must be given"), word)
       if (allocated(word)) settings%parameter = word
-      call v%on_real(row('from', '', 'value of parameter at one end of the curve (start in a call)', required=.true.), &
+      call v%on_real(row('from', '', 'value of parameter at one end of the curve', required=.true.), &
                      settings%start)
-      call v%on_real(row('to', '', 'value of parameter at its other end, the value of the train between them (stop in a call)', &
+      call v%on_real(row('to', '', 'value of parameter at the other end; the value of the train lies between', &
                          required=.true.), settings%stop)
       call v%leave()
    end subroutine visit_variables
@@ -253,35 +252,35 @@ contains
       integer :: n
 
       associate (locus => self%result)
-         if (.not. fields%enter('/locus', 'curve of a special point of the exact motion over frequency and a number of the train', &
+         if (.not. fields%enter('/locus', 'curve of a special point of the exact motion over frequency and a parameter', &
                                 .true.)) return
          if (allocated(locus%frequency_ratio)) call fields%describe('coordinates', 'frequency parameter')
          n = 2
          call fields%index_axis('side', n, 'end of the curve: 1 its first point, 2 its last one')
-         call carry_text(fields, field('ended', '', '', 'why it ended on either side, in words'), locus%ended, 'not yet')
-         call carry(fields, field('ends', 'side', '', "why it ended at its first and at its last point: range (end of the range of &
+         call carry_text(fields, field('ended', '', '', 'why the curve ended at either end, in words'), locus%ended, 'not yet')
+         call carry(fields, field('ends', 'side', '', "why the curve ended at its first and last point: range (end of the range of &
                                   &the parameter), closed, corner (the motion grazes a wall of a gap), double point, limit, &
                                   &symmetry, cancelled, failed", optional=.true.), locus%ends)
-         call carry(fields, field('complete', '', '', '1: it got to the ends of the range, or closed'), locus%complete)
-         call carry(fields, field('closed', '', '', '1: it came back to where it began'), locus%closed)
+         call carry(fields, field('complete', '', '', '1 = the curve reached both ends of the range, or closes'), locus%complete)
+         call carry(fields, field('closed', '', '', '1 = the curve closes'), locus%closed)
          call carry(fields, field('kind', '', '', 'kind of the special point'), locus%kind)
-         call carry(fields, field('mesh', '', '', 'number of the mesh of a contact onset, else 0', least=0, &
+         call carry(fields, field('mesh', '', '', 'number of the mesh of a contact onset; else 0', least=0, &
                                   most=size(train%meshes)), locus%mesh)
          call carry(fields, field('period', '', '', 'period of the motions in periods of the fundamental', least=1), locus%period)
-         call carry(fields, field('start_frequency', '', '1', 'Lambda of the special point with which it began, at the value of &
-                                  &the train'), locus%start_frequency)
+         call carry(fields, field('start_frequency', '', '1', 'Lambda of the special point at which the curve begins, at the &
+                                  &parameter of the train'), locus%start_frequency)
          call carry_text(fields, field('parameter_name', '', '', 'name of the parameter', optional=.true.), locus%name)
          n = 0
          if (allocated(locus%frequency_ratio)) n = size(locus%frequency_ratio)
          call fields%index_axis('point', n, 'point, along the curve')
          call carry(fields, field('frequency', 'point', '1', about_frequency, optional=n == 0), locus%frequency_ratio)
-         call carry(fields, field('parameter', 'point', '', 'value of the parameter, in its unit', optional=n == 0), &
+         call carry(fields, field('parameter', 'point', '', 'value of the parameter in its unit', optional=n == 0), &
                     locus%parameter)
          n = 0
          if (allocated(locus%state)) n = size(locus%state, 1)
          call fields%index_axis('state', n, 'number of the multiplier')
-         call carry(fields, field('initial_state', 'point state', '1', 'state of the motion at phase 0: displacements of the &
-                                  &elastic elements of the tree, then velocities', optional=n == 0), locus%state)
+         call carry(fields, field('initial_state', 'point state', '1', 'state at phase 0: displacements of the elastic elements, &
+                                  &then velocities', optional=n == 0), locus%state)
          call carry(fields, field('multipliers', 'point state complex', '1', about_multipliers, optional=n == 0), locus%multipliers)
          call visit_double_points(locus, fields)
       end associate
@@ -297,7 +296,7 @@ contains
       n = 0
       if (allocated(locus%special_points)) n = size(locus%special_points)
       if (fields%way == reading) allocate (list(0))
-      if (fields%enter('/locus/special_points', 'points of the curve at which two conditions meet', n > 0)) then
+      if (fields%enter('/locus/special_points', 'points of the curve at which two conditions are met', n > 0)) then
          call fields%describe('coordinates', 'frequency kind')
          call fields%index_axis('special_point', n, 'special point, along the curve')
          if (allocated(list)) deallocate (list)
@@ -306,14 +305,12 @@ contains
          call fields%begin_list('special_point')
          do i = 1, size(list)
             call fields%visit_item(i)
-            call carry(fields, field('kind', '', '', 'of a fold: cusp, isola centre, 1:1 resonance, fold-flip; of a doubling: &
-                                     &generalized doubling, 1:2 resonance, fold-flip; of a Neimark-Sacker point: &
-                                     &1:1 to 1:4 resonance, fold-neimark-sacker, flip-neimark-sacker, grazing; of a &
-                                     &branch point: grazing; of an onset, a fold or a doubling: grazing on a fold, &
-                                     &grazing on a doubling'), list(i)%kind)
+            call carry(fields, field('kind', '', '', 'cusp, isola centre, 1:1 to 1:4 resonance, generalized doubling, fold-flip, &
+                                     &fold-neimark-sacker, flip-neimark-sacker, grazing, grazing on a fold, grazing on a &
+                                     &doubling'), list(i)%kind)
             call carry(fields, field('frequency', '', '1', about_frequency), list(i)%frequency_ratio)
-            call carry(fields, field('parameter', '', '', 'value of the parameter, in its unit'), list(i)%parameter)
-            call carry(fields, field('after_point', '', '1', 'the point of the curve before it', least=0), list(i)%point)
+            call carry(fields, field('parameter', '', '', 'value of the parameter in its unit'), list(i)%parameter)
+            call carry(fields, field('after_point', '', '1', 'point of the curve before the special point', least=0), list(i)%point)
          end do
          call fields%end_list()
       end if

@@ -19,7 +19,7 @@ module geartrain_analyses_modes
    public :: modes_analysis_type, modes_row
 
    type(group_row_type), parameter :: modes_row = group_row_type('modes', &
-      'Asks for undamped and damped natural frequencies and mode shapes of the mean system.')
+      'Asks for natural frequencies, damping ratios and mode shapes of the linear train.')
 
    type, extends(analysis_type) :: modes_analysis_type
       type(modes_type), pointer :: result => null()
@@ -78,31 +78,31 @@ contains
       integer :: n
 
       associate (modes => self%result)
-         if (.not. fields%enter('/modes', 'natural modes of the mean system: contact everywhere, mean mesh stiffness', .true.)) &
+         if (.not. fields%enter('/modes', 'natural modes of the linear train: mean mesh stiffness, all teeth in contact', .true.)) &
             return
          call fields%describe('coordinates', 'element_label')
          n = 0
          if (allocated(modes%natural_frequency)) n = size(modes%natural_frequency)
          call fields%index_axis('mode', n, 'elastic mode, by frequency; a rigid mode is left out')
-         call carry(fields, row('element', 'element', '', 'elastic element, in the order of the case: `shaft 1`, `mesh 1`, ...'), &
+         call carry(fields, row('element', 'element', '', 'elastic element in the order of the case: `shaft 1`, `mesh 1`, ...'), &
                     modes%element)
-         call carry(fields, row('element_label', 'element', '', 'names of the two bodies that the element joins, such as `pinion - &
-                                &wheel`; in a chain as `element`'), modes%element_label)
+         call carry(fields, row('element_label', 'element', '', 'names of the two bodies of the element, such as `pinion - wheel`; &
+                                &in a chain as `element`'), modes%element_label)
          call carry(fields, row('natural_frequency', 'mode', '1', &
-                                'undamped natural frequency / characteristic_frequency, mean mesh stiffness, teeth in contact'), &
+                                'undamped natural frequency / characteristic_frequency'), &
                     modes%natural_frequency)
          call carry(fields, row('damped_frequency', 'mode', '1', &
-                                'imaginary part of the damped eigenvalue / characteristic_frequency; 0 = overdamped'), &
+                                'damped natural frequency / characteristic_frequency; 0 = overdamped'), &
                     modes%damped_frequency)
          call carry(fields, row('damping_ratio', 'mode', '1', 'damping ratio of the mode: -Re/|eigenvalue| of the damped mean &
                                 &system'), modes%damping_ratio)
-         call carry(fields, row('shape', 'mode element', '1', 'displacement of each element (a mesh: along the line of action; a &
-                                &shaft: twist times base radius), largest 1'), modes%shape)
+         call carry(fields, row('shape', 'mode element', '1', 'displacement of each element, largest 1; mesh: along the line of &
+                                &action, shaft: twist times base radius'), modes%shape)
          if (.not. fields%has('body', allocated(modes%body))) return
          call carry(fields, row('body', 'body', '', 'name of each body; in a chain `driving end`, `driving gear 1`, `driven gear &
                                 &1`, ..., `driven end`', optional=.true.), modes%body)
-         call carry(fields, row('rotation', 'mode body', '1', 'rotation of each body, positive as it turns when the train runs, &
-                                &the turning of the whole train left out; largest 1', optional=.true.), modes%rotation)
+         call carry(fields, row('rotation', 'mode body', '1', 'rotation of each body without the rotation of the whole train, &
+                                &positive in its running sense, largest 1', optional=.true.), modes%rotation)
       end associate
    end subroutine visit_fields
 

@@ -31,8 +31,8 @@ module geartrain_analyses_run_up
    public :: run_up, run_up_analysis_type, run_up_row, run_up_settings_type
 
    type(group_row_type), parameter :: run_up_row = group_row_type('run_up', &
-      'Asks for the motion while Lambda goes linearly in time from one value to another, a run-up or a coast-down. Where every &
-      &mesh has teeth, inertias take torques to accelerate.', &
+      'Asks for a run-up or coast-down: the speed changes linearly in time. Where every mesh has teeth, torques accelerate the &
+         &inertias.', &
       steps='periods', set_aside=.true.)
 
    real(dp), parameter :: zero = 0, one = 1
@@ -75,20 +75,19 @@ contains
 
       settings => self%settings
       call v%enter('run_up', 1)
-      call v%on_real(row('from', '', 'frequency at the beginning, in the `unit` (start in a call)', required=.true., above=zero), &
+      call v%on_real(row('from', '', 'frequency at the beginning', required=.true., above=zero), &
                      settings%start)
-      call v%on_real(row('to', '', 'frequency at the end, above or below that at the beginning (stop in a call)', required=.true., &
+      call v%on_real(row('to', '', 'frequency at the end, above or below the beginning', required=.true., &
                          above=zero), settings%stop)
-      call v%on_real(row('duration', 's', 'time from the beginning to the end, in which the frequency changes linearly', &
+      call v%on_real(row('duration', 's', 'time from the beginning to the end', &
                          required=.true., above=zero), settings%duration)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('samples', '', 'equidistant samples of a period of the fundamental at the higher frequency; 0: 32 of &
-         &the &
-                            &fastest mesh, more where harmonics of the excitation or vibrations of a mesh are faster', &
+      call v%on_integer(row('samples', '', 'samples per period of the fundamental at the higher frequency; 0: at least 32 per &
+                            &cycle of the fastest mesh', &
                             least=one, most=most_samples*one, automatic=zero), settings%samples)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which the search for the steady motion at the &
-                            &beginning is given up, or 1000 cycles of the slowest mesh where the common period is long, and the &
-                            &run-up begins with the state reached; 0: it begins at rest, or with the motion given in a call', &
+      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental, at most 1000 &
+                            &cycles of the slowest mesh where the common period is long; 0: start at rest, or from the motion &
+                            &given in a call', &
                             least=zero), settings%max_periods)
       call v%leave()
    end subroutine visit_variables
@@ -242,24 +241,23 @@ contains
       integer :: n
 
       associate (result => self%result)
-         if (.not. fields%enter('/run_up', 'motion while Lambda goes linearly in time from one value to another', .true.)) return
+         if (.not. fields%enter('/run_up', 'motion while the speed changes linearly in time', .true.)) return
          if (result%samples > 0) call fields%describe('coordinates', 'frequency window_time')
          call carry_text(fields, field('ended', '', '', 'why it ended, in words, and whether it began with a steady motion'), &
                          result%ended, 'not yet: these are the samples so far')
-         call carry(fields, field('complete', '', '', '1: the end of the ramp was reached'), result%complete)
-         call carry(fields, field('start_period', '', '', 'period of the steady motion with which it begins [fundamental mesh &
-                                  &periods]; 0: the state with which it begins is of no steady motion, or its period is not &
-                                  &known, see `start_ringing`', least=0), result%start_period)
-         call carry(fields, field('start_settling', '', 's', 'time for which it settled by the time constants of the train before &
-                                  &it begins; 0: from period to period, or not at all', optional=.true.), &
+         call carry(fields, field('complete', '', '', '1 = the end of the run-up was reached'), result%complete)
+         call carry(fields, field('start_period', '', '', 'period of the steady motion at the beginning, in periods of the &
+                                  &fundamental; 0: none, or not known', least=0), &
+                                  result%start_period)
+         call carry(fields, field('start_settling', '', 's', 'time of settling by the time constants of the train; 0: settled &
+                                  &period by period, or not at all', optional=.true.), &
                     result%start_settling)
-         call carry(fields, field('start_ringing', '', '1', 'amplitude of free vibrations that take too long to die out when the &
-                                  &run-up begins, over the alternating displacement, the largest of all meshes, where it settled &
-                                  &by time constants; NaN: not known', none_is_negative=.true., optional=.true.), &
+         call carry(fields, field('start_ringing', '', '1', 'as `ringing` of a motion, at the beginning, after settling by time &
+                                  &constants; NaN: not known', none_is_negative=.true., optional=.true.), &
                     result%start_ringing)
          ! The axis `time` is as long as the samples that are done, and all arrays along it are cut to this length.
          if (allocated(result%time)) time = result%time(:result%samples)
-         call carry(fields, field('time', 'time', 's', 'equidistant, from the beginning of the ramp'), time)
+         call carry(fields, field('time', 'time', 's', 'time from the beginning of the run-up'), time)
          if (fields%way == reading) call move_alloc(time, result%time)
          n = merge(size(train%meshes), 0, result%samples > 0)
          call fields%index_axis('mesh', n, about_mesh)
@@ -274,21 +272,25 @@ contains
          call carry(fields, field('frequency', 'time', '1', about_frequency), result%frequency_ratio)
          call carry(fields, field('displacement', 'time mesh', '1', 'mesh displacement / characteristic_length'), &
                     result%displacement)
-         call carry(fields, field('mesh_force', 'time mesh', 'N', 'mesh force, damping and acceleration of inertias &
-                                  &included'), result%mesh_force)
-         call carry(fields, field('shaft_torque', 'time shaft', 'N m', 'torque of the shaft, damping, static torque and &
-                                  &acceleration of inertias included; NaN for a rigid shaft'), result%shaft_torque)
-         call carry(fields, field('window_time', 'window', 's', 'middle of the window'), result%window_time)
+         call carry(fields, field('mesh_force', 'time mesh', 'N', 'total mesh force'), &
+                                  result%mesh_force)
+         call carry(fields, field('shaft_torque', 'time shaft', 'N m', 'total torque of the shaft; NaN for a rigid shaft'), &
+                                  result%shaft_torque)
+         call carry(fields, field('window_time', 'window', 's', 'middle of the window, a tooth period of the slowest mesh'), &
+                                  result%window_time)
          call carry(fields, field('mesh_force_minimum', 'window mesh', 'N', &
-                                  'smallest mesh force over the window, between samples as well'), result%force_minimum)
-         call carry(fields, field('mesh_force_maximum', 'window mesh', 'N', 'largest mesh force over the window, likewise'), &
+                                  'smallest mesh force in the window, also between samples'), result%force_minimum)
+         call carry(fields, field('mesh_force_maximum', 'window mesh', 'N', 'largest mesh force in the window, also between &
+                                  &samples'), &
                     result%force_maximum)
-         call carry(fields, field('shaft_torque_minimum', 'window shaft', 'N m', 'smallest torque over the window, likewise'), &
+         call carry(fields, field('shaft_torque_minimum', 'window shaft', 'N m', 'smallest torque in the window, also between &
+                                  &samples'), &
                     result%torque_minimum)
-         call carry(fields, field('shaft_torque_maximum', 'window shaft', 'N m', 'largest torque over the window, likewise'), &
+         call carry(fields, field('shaft_torque_maximum', 'window shaft', 'N m', 'largest torque in the window, also between &
+                                  &samples'), &
                     result%torque_maximum)
-         call carry(fields, field('state', 'coordinate', '1', 'at the end of the last window: displacements / &
-                                  &characteristic_length, then velocities over time times characteristic_frequency'), result%state)
+         call carry(fields, field('state', 'coordinate', '1', 'state at the end of the last window, ordered as initial_state of a &
+                                  &motion'), result%state)
          if (fields%way /= reading .or. allocated(fields%wrong)) return
          result%windows = n
          if (allocated(result%time)) result%samples = size(result%time)

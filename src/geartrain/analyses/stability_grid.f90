@@ -105,29 +105,29 @@ contains
       character(:), allocatable :: word
 
       call v%enter('stability_map', 1)
-      call v%on_real(row('from', '', 'one end of the range of Lambda (start in a call)', required=.true., above=zero), &
+      call v%on_real(row('from', '', 'one end of the frequency range', required=.true., above=zero), &
                      settings%start)
-      call v%on_real(row('to', '', 'its other end (stop in a call)', required=.true., above=zero), settings%stop)
+      call v%on_real(row('to', '', 'other end of the frequency range', required=.true., above=zero), settings%stop)
       call visit_unit(settings%unit, v)
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=most_points), &
                         settings%points)
       word = trim(settings%parameter)
-      call v%on_text(row('parameter', '', "number of the train that varies from row to row, as in 'motor torque', 'shaft 2 &
-                         &stiffness', 'stiffness_variation' (the largest amplitude of any harmonic of kappa, all scaled alike); &
+      call v%on_text(row('parameter', '', "number of the train that varies from row to row, such as 'motor torque', 'shaft 2 &
+                         &stiffness', 'stiffness_variation' (largest amplitude of any harmonic of kappa, all scaled alike); &
                          &mesh_damping_ratio and half_backlash: of every mesh, in place of what a drawing gives"), word)
       if (allocated(word)) settings%parameter = word
-      call v%on_real(row('parameter_from', '', 'one end of the range of the parameter, in its unit (parameter_start in a call)', &
+      call v%on_real(row('parameter_from', '', 'one end of the range of the parameter', &
                          required=.true.), settings%parameter_start)
-      call v%on_real(row('parameter_to', '', 'its other end (parameter_stop in a call)', required=.true.), &
+      call v%on_real(row('parameter_to', '', 'other end of the range of the parameter', required=.true.), &
                      settings%parameter_stop)
       call v%on_integer(row('parameter_points', '', 'values of the parameter in the range, both ends included', least=one, &
                             most=most_points), settings%parameter_points)
-      call v%on_logical(row('linear', '', 'the train without backlash, all teeth in contact: where its parametric resonances &
-                            &are; else the motions on the branch of every row'), settings%linear)
-      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda of the motions; 0: chosen by the program for each point, as &
-                            &trains with teeth need; not used by a linear map', least=one, most=most_harmonics*one, &
+      call v%on_logical(row('linear', '', 'the train without backlash, all teeth in contact: shows parametric resonances; .false.: &
+                            &the motions on the branch of each row'), settings%linear)
+      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda; 0: as many as tolerance needs, recommended for &
+                            &trains with teeth; not used by a linear map', least=one, most=most_harmonics*one, &
                             automatic=zero), settings%harmonics)
-      call v%on_real(row('tolerance', '', 'relative error of the waveform aimed at where harmonics = 0', above=zero, most=one), &
+      call v%on_real(row('tolerance', '', 'relative error of the waveform to reach where harmonics = 0', above=zero, most=one), &
                      settings%tolerance)
       call visit_long_period(settings%long_period, v)
       call v%leave()
@@ -279,28 +279,27 @@ contains
       integer :: meshes
 
       call carry_text(fields, field('ended', '', '', 'why it ended, in words'), map%ended, 'not yet: these are the rows so far')
-      call carry(fields, field('complete', '', '', '1: all rows are done, and the branch of each got through the range'), &
+      call carry(fields, field('complete', '', '', '1 = all rows are done, and each branch passed through the range'), &
                  map%complete)
       begun = fields%has('parameter', allocated(map%parameter))
-      call carry(fields, field('linear', '', '', '1: of the train without backlash', optional=.not. begun), map%linear)
+      call carry(fields, field('linear', '', '', '1 = map of the train without backlash', optional=.not. begun), map%linear)
       if (.not. begun) return
-      call carry_text(fields, field('parameter_name', '', '', 'what varies from row to row'), map%name)
-      call carry_text(fields, field('parameter_unit', '', '', 'its unit'), map%unit)
-      call carry(fields, field('parameter', 'parameter', unit_of_grid(map), 'the parameter, in its own unit'), map%parameter)
+      call carry_text(fields, field('parameter_name', '', '', 'name of the parameter'), map%name)
+      call carry_text(fields, field('parameter_unit', '', '', 'unit of the parameter'), map%unit)
+      call carry(fields, field('parameter', 'parameter', unit_of_grid(map), 'value of the parameter'), map%parameter)
       call carry(fields, field('frequency', 'frequency', '1', about_frequency), map%frequency_ratio)
-      call carry(fields, field('row_done', 'parameter', '1', '1 = the row is computed; rows that are not are left out'), map%done)
-      call carry(fields, field('row_whole', 'parameter', '1', '1 = the branch of the row got through the range; 0 = not: motions &
-                             &may be missing'), map%whole)
-      call carry(fields, field('motions', grid, '1', 'motions of the period of the fundamental on the branch of the row', &
+      call carry(fields, field('row_done', 'parameter', '1', '1 = the row is computed'), map%done)
+      call carry(fields, field('row_whole', 'parameter', '1', '1 = the branch of the row passed through the range; 0 = motions may &
+                               &be missing'), map%whole)
+      call carry(fields, field('motions', grid, '1', 'number of motions of period 1 on the branch of the row', &
          &least=0), map%motions)
-      call carry(fields, field('stable_motions', grid, '1', 'how many of them are stable; 0: the train does something else, of a &
-                             &longer period or of none', least=0), map%stable_motions)
+      call carry(fields, field('stable_motions', grid, '1', 'number of stable motions of period 1; 0: the train has another &
+                               &motion, of a longer period or of none', least=0), map%stable_motions)
       if (allocated(map%multiplier)) radius = abs(map%multiplier)
-      if (fields%way /= reading) call carry(fields, field('spectral_radius', grid, '1', 'largest magnitude of a Floquet multiplier &
-         &over a period of the fundamental, of the motion that has it smallest: below 1 there is a stable motion; NaN: no &
-            &motion'), radius)
-      call carry(fields, field('multiplier', grid//' complex', '1', 'that multiplier: near +1 there is a fold or a resonance at a &
-                             &natural frequency, near -1 the period doubles'), map%multiplier)
+      if (fields%way /= reading) call carry(fields, field('spectral_radius', grid, '1', 'largest magnitude of a multiplier of the &
+                                        &most stable motion over a period of the fundamental; NaN: no motion'), radius)
+      call carry(fields, field('multiplier', grid//' complex', '1', 'multiplier of this magnitude: near +1 a fold or a resonance &
+                               &at a natural frequency, near -1 a period doubling'), map%multiplier)
       if (.not. fields%has('rms', allocated(map%rms))) then
          call fields%check(map%linear, 'rms')
          return
@@ -308,8 +307,8 @@ contains
       meshes = 0
       if (allocated(map%rms)) meshes = size(map%rms, 1)
       call fields%index_axis('mesh', meshes, about_mesh)
-      call carry(fields, field('rms', grid//' mesh', '1', 'largest rms of the stable motions / characteristic_length, the rms of &
-                             &/response; NaN: no stable motion', 'without `linear`'), map%rms)
+      call carry(fields, field('rms', grid//' mesh', '1', 'largest `rms` of the stable motions, as in /response; NaN: no stable &
+                               &motion', 'without `linear`'), map%rms)
    end subroutine visit_grid
 
    !> Visits, of a map under way, all values of the parameter, and which rows the grid holds.

@@ -39,7 +39,7 @@ module geartrain_analyses_stability_map
    public :: stability_map, stability_map_analysis_type, stability_map_row
 
    type(group_row_type), parameter :: stability_map_row = group_row_type('stability_map', &
-      'Asks for the stability over frequency and one parameter of the train, a stability chart.', steps='rows', set_aside=.true.)
+      'Asks for a stability map: stability over frequency and one parameter of the train.', steps='rows', set_aside=.true.)
 
    type, extends(analysis_type) :: stability_map_analysis_type
       type(stability_map_settings_type), pointer :: settings => null()

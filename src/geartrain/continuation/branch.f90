@@ -301,13 +301,13 @@ contains
             orders = branch%orders
             k = size(orders)
             call fields%index_axis('carried', k, 'harmonic that points carry, ascending')
-            call carry(fields, row('orders', 'carried', '1', 'harmonics of Lambda/subharmonic of the coefficients', &
-                                   'where the program chooses sets of them', least=1, &
+            call carry(fields, row('orders', 'carried', '1', 'harmonics of Lambda/subharmonic that the coefficients have', &
+                                   'where the program chooses them', least=1, &
                                    most=branch%harmonics), orders)
             if (fields%way == reading .and. allocated(orders)) branch%orders = orders
          end if
       end if
-      if (allocated(branch%coefficients) .or. fields%way == listing) call coefficient_axis(branch%orders, 'subharmonic', fields)
+      if (allocated(branch%coefficients) .or. fields%way == listing) call coefficient_axis(branch%orders, fields)
       ! A branch of which only the origin is known so far has no points and nothing else.
       none = branch%points == 0
       call visit_free(branch, fields, none)
@@ -317,11 +317,11 @@ contains
          call carry(fields, row('true_ac_rms', 'point mesh', '1', about_true_ac_rms), ac)
       end if
       if (fields%has('arclength', allocated(branch%arclength))) then
-         call carry(fields, row('arclength', 'point', '1', 'length of the branch up to the point, in Lambda and mesh displacement &
-                                &together (see docs/numerics.md)', optional=none), branch%arclength)
-         call carry(fields, row('free_slope', 'point', '1', 'derivative of the frequency, or of the parameter, by the arclength', &
+         call carry(fields, row('arclength', 'point', '1', 'length of the branch up to the point, in scaled Lambda and mesh &
+                                &displacement together', optional=none), branch%arclength)
+         call carry(fields, row('free_slope', 'point', '1', 'derivative of frequency or parameter with respect to arclength', &
                                 optional=none), branch%free_slope)
-         call carry(fields, row('rms_slope', 'point mesh', '1', 'derivative of the rms by the arclength', optional=none), &
+         call carry(fields, row('rms_slope', 'point mesh', '1', 'derivative of rms with respect to arclength', optional=none), &
                     branch%rms_slope)
       end if
       call carry(fields, row('mean', 'point mesh', '1', about_mean, optional=none), branch%mean)
@@ -335,30 +335,29 @@ contains
       end if
       call carry(fields, row('coefficients', 'point mesh coefficient', '1', about_coefficients, optional=none), &
                  branch%coefficients)
-      call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform, against the motion at the &
-                             &same Lambda or, where the branch turns before it, that of its fold; rounding, some 1e-14, is not in &
-                             &it', optional=none), branch%error_estimate)
-      call carry(fields, row('mesh_error_estimate', 'point mesh', '1', 'estimated error of the waveform of each mesh over the &
-                             &amplitude of this mesh: above error_estimate for a mesh of small amplitude; error_estimate for a &
-                             &mesh without backlash', optional=none), &
+      call carry(fields, row('error_estimate', 'point', '1', 'estimated relative error of the waveform without rounding (1e-14), &
+                             &against the exact motion at this Lambda or, where the branch turns before it, at the fold', &
+                             optional=none), branch%error_estimate)
+      call carry(fields, row('mesh_error_estimate', 'point mesh', '1', 'estimated error of the waveform of a mesh over its &
+                             &amplitude; equal to error_estimate for a mesh without backlash', optional=none), &
                  branch%mesh_error_estimate)
-      call carry(fields, row('estimate_doubtful', 'point', '1', '1 = error_estimate may be off by more than a small factor: a &
-                             &fold as near as it is itself misplaced, a contact that begins or ends within the error, or an error &
-                             &beyond 0.1; 0 = not', optional=none), branch%estimate_doubtful)
-      call carry(fields, row('harmonics', 'point', '1', 'harmonics of Lambda/subharmonic that the point was solved with', &
+      call carry(fields, row('estimate_doubtful', 'point', '1', '1 = error_estimate may be wrong by more than a small factor: a &
+                             &fold within its own error, a contact that begins or ends within the error, or an error above 0.1', &
+                             optional=none), branch%estimate_doubtful)
+      call carry(fields, row('harmonics', 'point', '1', 'number of harmonics of Lambda/subharmonic of the point', &
                              optional=none, most=branch%harmonics), branch%point_harmonics)
       call carry(fields, row('segment', 'point', '1', &
-                             'number of the segment: a new one begins where the branch comes back from beyond &
-                             &the amplitude limit, or with the points traced from `to`: where those from `from` do not get there, &
-                             &or get there at another motion than the one from rest', optional=none, least=1), branch%segment)
+                             'number of the segment. A segment begins where the branch returns from above amplitude_limit, or with &
+                                &the points traced from `to`, where the points from `from` end earlier or at another motion', &
+                                optional=none, least=1), branch%segment)
       if (fields%has('correction', allocated(branch%correction))) then
          if (allocated(branch%correction)) untried = branch%correction(:branch%points) < -1
-         call carry(fields, row('correction', 'point', '1', 'relative change of the waveform by refinement, which is the error &
-                                &that the point had; NaN: not refined, shooting finds no orbit near it, as next to a fold', &
+         call carry(fields, row('correction', 'point', '1', 'relative change of the waveform by refinement, the error before it; &
+                                &NaN: shooting finds no orbit near the point', &
                                 'with `refine`', none_is_negative=.true.), branch%correction)
          if (fields%has('untried', count_of(untried) > 0)) &
-            call carry(fields, row('untried', 'point', '1', '1 = refinement has not come to the point', &
-                                   'of a branch refined in part'), untried)
+            call carry(fields, row('untried', 'point', '1', '1 = not yet refined', &
+                                   'where refinement is not finished'), untried)
          if (fields%way == reading .and. allocated(untried) .and. .not. allocated(fields%wrong)) &
             where (untried) branch%correction = -2
       end if
@@ -385,10 +384,10 @@ contains
          call carry(fields, row('frequency', 'point', '1', about_frequency, optional=none), branch%frequency_ratio)
       end if
       if (.not. (allocated(branch%parameter) .or. fields%way == listing)) return
-      unit = '1'
+      unit = merge(' ', '1', fields%way == listing)
       if (allocated(branch%parameter_unit)) unit = branch%parameter_unit
-      if (fields%way /= arranging) call carry(fields, row('parameter', 'point', unit, 'value of the parameter, whose name is the &
-            &attribute parameter_name', 'with `parameter`', optional=none), branch%frequency_ratio)
+      if (fields%way /= arranging) call carry(fields, row('parameter', 'point', unit, 'value of the parameter `parameter_name`', &
+                                        'with `parameter`', optional=none), branch%frequency_ratio)
       call carry(fields, row('half_backlash', 'point mesh', '1', 'half of the backlash / characteristic_length', &
                              'with `parameter`', optional=none), branch%half_backlash_at)
    end subroutine visit_free
@@ -409,20 +408,19 @@ contains
       call carry(fields, row('stable', 'point', '1', about_stable, on_stability), branch%stable)
       call carry(fields, row('undecided', 'point', '1', about_undecided, on_stability), branch%undecided)
       call carry(fields, row('growth_rate', 'point', '1/s', about_growth_rate, on_stability), branch%growth_rate)
-      call carry(fields, row('count_undecided', 'point', '1', '1 = how many multipliers are outside the unit circle is a guess: &
-                             &one is as near to it as it is uncertain', on_stability), branch%count_undecided)
-      call carry(fields, row('second_estimate', 'point', '1', 'second estimate of the largest magnitude of a multiplier: of the &
-                             &motion corrected by its estimated error; NaN where it was not needed: no contact event, none that &
-                             &can move it across the unit circle, or undecided anyway', on_stability, none_is_negative=.true.), &
+      call carry(fields, row('count_undecided', 'point', '1', '1 = the number of multipliers outside the unit circle is a guess: &
+                             &one is nearer to it than its error', on_stability), branch%count_undecided)
+      call carry(fields, row('second_estimate', 'point', '1', 'largest magnitude of a multiplier of the motion corrected by its &
+                             &estimated error; NaN: not needed', on_stability, none_is_negative=.true.), &
                  branch%second_estimate)
       if (fields%has('multipliers', branch%states > 0)) call carry(fields, row('multipliers', 'point state complex', '1', &
-         about_multipliers//'; of a train of 160 states (41 flexible shafts) or more the 16 of largest magnitude, rough inside the &
-         &unit circle without `multipliers`', on_stability//', short periods or `multipliers`'), &
+         about_multipliers//'; from 160 states (41 flexible shafts) on the 16 largest, rough inside the unit circle unless &
+            &`multipliers` is set', on_stability//' and a short period, or `multipliers`'), &
          branch%multipliers)
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
-                                &the waveform, of which `multipliers` are powers', on_stability//', where all orders have a &
-                                &common divisor', optional=.true.), branch%repetition_multipliers)
+                                &the waveform; `multipliers` are powers of them', on_stability//', where all orders have a common &
+                                divisor', optional=.true.), branch%repetition_multipliers)
    end subroutine visit_stability
 
 end module geartrain_continuation_branch

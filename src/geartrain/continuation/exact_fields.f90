@@ -32,7 +32,7 @@ contains
          call carry(fields, row('kind', '', '', 'separation or back contact'), onsets(i)%kind)
          call carry(fields, row('mesh', '', '1', 'the mesh'), onsets(i)%mesh)
          call carry_free(branch, fields, onsets(i)%frequency_ratio)
-         call carry(fields, row('after_point', '', '1', 'the point of the branch before it'), onsets(i)%point)
+         call carry(fields, row('after_point', '', '1', 'point of the branch before the onset'), onsets(i)%point)
          call carry(fields, row('rms', 'mesh', '1', about_rms), onsets(i)%rms)
       end do
       call fields%end_list()

@@ -8,7 +8,7 @@ module geartrain_continuation_fields
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_decided, only: rests_on_undecided
    use geartrain_continuation_free_fields, only: carry_free, free_name
-   use geartrain_flow_fields, only: about_rms, on_stability
+   use geartrain_flow_fields, only: on_stability
    implicit none (type, external)
    private
    public :: visit_branch
@@ -24,23 +24,23 @@ contains
       !> The fields of the results.
       class(fields_type), intent(inout) :: fields
 
-      if (.not. fields%enter(home, 'frequency response: periodic motions along one branch, through its folds', .true.)) return
+      if (.not. fields%enter(home, 'periodic motions along a branch, through its folds', .true.)) return
       if (allocated(branch%frequency_ratio)) call fields%describe('coordinates', trim(free_name(branch)))
-      call carry_text(fields, row('origin', '', '', 'where it comes from, in words', 'further branches', optional=.true.), &
+      call carry_text(fields, row('origin', '', '', 'where the branch begins, in words', 'further branches', optional=.true.), &
                       branch%origin)
       call carry_text(fields, row('ended', '', '', 'why the branch ended, in words'), branch%ended, &
                       'not yet: these are the points so far')
-      call carry_text(fields, row('parameter_name', '', '', 'name of the parameter of the train that it goes over', &
+      call carry_text(fields, row('parameter_name', '', '', 'name of the parameter that varies along the branch', &
                                   'with `parameter`', optional=.true.), branch%parameter)
-      call carry_text(fields, row('parameter_unit', '', '', 'unit of the parameter; 1 of a dimensionless one', &
+      call carry_text(fields, row('parameter_unit', '', '', 'unit of the parameter; 1: dimensionless', &
                                   'with `parameter`', optional=.true.), branch%parameter_unit)
-      call carry(fields, row('complete', '', '', '1: it got to the other end of the range; or, traced from both ends, it left the &
-                             &range each time'), branch%complete)
-      call carry(fields, row('closed', '', '', '1: followed back to where it began, as an island: the last point is the first &
-                             &one'), branch%closed)
-      call carry(fields, row('harmonics', '', '', 'harmonics in use; where the program chose them, the most that any point has', &
+      call carry(fields, row('complete', '', '', '1 = the branch reached the other end of the range, or both branches traced from &
+                             &the ends left the range'), branch%complete)
+      call carry(fields, row('closed', '', '', '1 = the branch closes, as an island; its last point is its first'), branch%closed)
+      call carry(fields, row('harmonics', '', '', 'number of harmonics; where the program chose them, the largest of all points', &
                              least=0), branch%harmonics)
-      call carry(fields, row('subharmonic', '', '', 'period in periods of the fundamental', least=1), branch%subharmonic)
+      call carry(fields, row('subharmonic', '', '', 'period of the motions in periods of the fundamental', least=1), &
+                             branch%subharmonic)
       call visit_points(branch, fields)
       call visit_special_points(branch, home//'/special_points', fields)
       call visit_trace(branch, home//'/trace', fields)
@@ -57,7 +57,7 @@ contains
       n = 0
       if (allocated(branch%special_points)) n = size(branch%special_points)
       if (fields%way == reading) allocate (list(0))
-      if (fields%enter(home, 'places on the branch that a reader looks for', n > 0)) then
+      if (fields%enter(home, 'folds and changes of stability on the branch', n > 0)) then
          call fields%describe('coordinates', trim(free_name(branch))//' kind')
          call fields%index_axis('special_point', n, 'special point, in the order found')
          if (allocated(list)) deallocate (list)
@@ -72,9 +72,8 @@ contains
             undecided = .false.
             if (allocated(branch%undecided) .and. fields%way /= listing) undecided = rests_on_undecided(branch, i)
             if (fields%has('undecided', allocated(branch%undecided))) &
-               call carry(fields, row('undecided', '', '1', '1 = it rests on undecided points: on one side of it the next points &
-                                      &(five at most, none beyond another special point) are all undecided, in the number of &
-                                      &multipliers outside the unit circle where it is no fold', on_stability), undecided)
+               call carry(fields, row('undecided', '', '1', '1 = the special point is a guess: on one side all of the next points, &
+                                      &at most five, are undecided', on_stability), undecided)
          end do
          call fields%end_list()
       end if
@@ -90,12 +89,12 @@ contains
       logical :: untried
 
       if (.not. fields%has('correction', begun)) return
-      call carry(fields, row('correction', '', '1', 'change of Lambda by refinement, which is the error that it had; NaN: shooting &
-                             &finds no special point of this kind near it, it is that of the balance', 'with `refine`', &
+      call carry(fields, row('correction', '', '1', 'change of Lambda by refinement, the error before it; NaN: shooting finds no &
+                             &such point nearby', 'with `refine`', &
                              none_is_negative=.true.), special%correction)
       untried = special%correction < -1
       if (.not. fields%has('untried', in_part)) return
-      call carry(fields, row('untried', '', '1', '1 = refinement has not come to it', 'of a branch refined in part'), untried)
+      call carry(fields, row('untried', '', '1', '1 = not yet refined', 'where refinement is not finished'), untried)
       if (fields%way == reading .and. untried) special%correction = -2
    end subroutine visit_correction
 
@@ -104,18 +103,18 @@ contains
       type(branch_type), intent(in) :: branch
       class(fields_type), intent(inout) :: fields
 
-      call carry(fields, row('kind', '', '', 'fold; period doubling; neimark-sacker: a pair of multipliers leaves the unit circle; &
-                             &branch point: another branch of the same period crosses, a multiplier passes +1 without a fold; &
-                             &stability change: of a motion of long period, whose multipliers are not computed, the growth rate &
-                             &passes 0'), &
+      call carry(fields, row('kind', '', '', 'fold; period doubling; neimark-sacker: a complex pair of multipliers crosses the &
+                             &unit circle; branch point: a multiplier passes +1 without a fold, another branch crosses; stability &
+                             &change: the growth rate passes 0 (long periods, without multipliers)'), &
                  special%kind)
       if (special%kind == 'torus') special%kind = 'neimark-sacker'
       call carry_free(branch, fields, special%frequency_ratio)
-      call carry(fields, row('after_point', '', '1', 'the point of the branch before it', least=0, &
+      call carry(fields, row('after_point', '', '1', 'point of the branch before the special point', least=0, &
                              most=branch%points), special%point)
-      call carry(fields, row('rms', 'mesh', '1', about_rms), special%rms)
-      call carry(fields, row('multiplicity', '', '1', 'multipliers, or pairs, that pass the unit circle together: N - 1 where &
-                             &N equal branches begin to move differently', optional=.true., least=1), special%multiplicity)
+      call carry(fields, row('rms', 'mesh', '1', '`rms` of the branch at the special point'), special%rms)
+      call carry(fields, row('multiplicity', '', '1', 'number of multipliers, or pairs, that cross the unit circle together; N - 1 &
+                             &where N equal branches of the train begin to move differently', optional=.true., least=1), &
+                             special%multiplicity)
    end subroutine visit_special_point
 
    !> Visits the state of a trace, see trace_state_type.

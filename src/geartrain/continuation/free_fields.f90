@@ -10,7 +10,7 @@ module geartrain_continuation_free_fields
    private
    public :: about_ends, carry_free, free_name, free_unit
 
-   character(*), parameter :: about_ends = about_frequency//'; or value of the parameter'
+   character(*), parameter :: about_ends = 'Lambda, or value of the parameter'
 
 contains
 
@@ -42,12 +42,15 @@ contains
       class(fields_type), intent(inout) :: fields
       !> The value [1, or unit of the parameter].
       real(dp), intent(inout) :: value
+      character(12) :: unit
 
+      unit = free_unit(branch)
+      if (fields%way == listing) unit = ''
       if (fields%way == listing .or. .not. allocated(branch%parameter)) &
-         call carry(fields, row('frequency', '', '1', about_frequency, 'without `parameter`'), value)
+         call carry(fields, row('frequency', '', '1', about_frequency), value)
       if (fields%way == listing .or. allocated(branch%parameter)) &
-         call carry(fields, row('parameter', '', free_unit(branch), 'value of the parameter of the branch', 'with `parameter`'), &
-                    value)
+         call carry(fields, row('parameter', '', unit, 'value of the parameter in its unit, in place of `frequency`', &
+                                'with `parameter`'), value)
    end subroutine carry_free
 
 end module geartrain_continuation_free_fields

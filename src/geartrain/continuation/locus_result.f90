@@ -10,7 +10,7 @@ module geartrain_continuation_locus_result
       character(24) :: kind = ''
       !> Lambda [1], parameter [its unit].
       real(dp) :: frequency_ratio = 0, parameter = 0
-      !> Number of the point of the curve before it.
+      !> Number of the point of the curve before the special point.
       integer :: point = 0
    end type double_point_type
 

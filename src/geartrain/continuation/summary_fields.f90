@@ -9,7 +9,7 @@ module geartrain_continuation_summary_fields
    use geartrain_continuation_free_fields, only: about_ends, carry_free, free_name, free_unit
    use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_continuation_summary, only: band_type, bands_without_stability, peak_type, peaks
-   use geartrain_flow_fields, only: about_rms, on_stability
+   use geartrain_flow_fields, only: on_stability
    implicit none (type, external)
    private
    public :: visit_bands, visit_jumps, visit_peaks, visit_ranges, visit_summary
@@ -68,13 +68,13 @@ contains
          type(peak_type), intent(inout) :: peak
          integer, value :: mesh
 
-         call carry(fields, row('mesh', '', '1', 'the mesh whose rms has the peak'), mesh)
+         call carry(fields, row('mesh', '', '1', 'mesh with the peak'), mesh)
          call carry_free(branch, fields, peak%frequency_ratio)
-         call carry(fields, row('rms', '', '1', about_rms), peak%rms)
-         call carry(fields, row('point', '', '1', 'the point of the branch at the peak, or nearest to it'), peak%point)
+         call carry(fields, row('rms', '', '1', '`rms` of the mesh at the peak'), peak%rms)
+         call carry(fields, row('point', '', '1', 'point of the branch at the peak or nearest to it'), peak%point)
          if (.not. fields%has('stable', allocated(branch%stable))) return
-         call carry(fields, row('stable', '', '1', '1 = that point is stable', on_stability), peak%stable)
-         call carry(fields, row('undecided', '', '1', '1 = the stability of that point is a guess', on_stability), peak%undecided)
+         call carry(fields, row('stable', '', '1', '1 = the peak is stable', on_stability), peak%stable)
+         call carry(fields, row('undecided', '', '1', '1 = the stability of the peak is a guess', on_stability), peak%undecided)
       end subroutine visit_peak
 
    end subroutine visit_peaks
@@ -96,8 +96,8 @@ contains
          found = jumps(branch)
       end if
       n = size(found)
-      if (.not. fields%enter(home//'/jumps', 'where a sweep in speed jumps: the stable motion that it follows ends there; only &
-                             &with `stability`', n > 0)) return
+      if (.not. fields%enter(home//'/jumps', 'jumps of a sweep in speed, where a stable motion ends; only with `stability`', n > &
+         0)) return
       call fields%describe('coordinates', trim(free_name(branch))//' kind direction')
       call fields%index_axis('jump', n, 'jump, by frequency')
       call fields%begin_list('jump')
@@ -116,19 +116,19 @@ contains
 
       direction = merge('rising ', 'falling', jump%rising)
       call carry_free(branch, fields, jump%frequency_ratio)
-      call carry(fields, row('kind', '', '', 'jump up, jump down: to a larger or smaller amplitude, all meshes together; leaves: &
+      call carry(fields, row('kind', '', '', 'jump up, jump down: to a larger or smaller amplitude of all meshes together; leaves: &
                              &the branch has no other stable motion there'), jump%kind)
-      call carry(fields, row('direction', '', '', 'rising or falling: the way of the speed in the sweep that jumps here'), &
+      call carry(fields, row('direction', '', '', 'rising or falling speed in the sweep'), &
                  direction)
-      call carry(fields, row('cause', '', '', 'the special point at which the stable motion ends'), jump%cause)
-      call carry(fields, row('rms_before', 'mesh', '1', about_rms), jump%before)
-      call carry(fields, row('rms_after', 'mesh', '1', about_rms//'; of the stable motion of the branch with the nearest rms; NaN &
-                             &for a jump that leaves the branch', none_is_negative=.true.), jump%after)
-      call carry(fields, row('candidates', '', '1', 'other stable motions of the branch at this Lambda: where there are more than &
-                             &one, rms_after is a guess; a sweep may reach another, or a motion of another period'), &
+      call carry(fields, row('cause', '', '', 'kind of the special point at which the stable motion ends'), jump%cause)
+      call carry(fields, row('rms_before', 'mesh', '1', '`rms` of the branch before the jump'), jump%before)
+      call carry(fields, row('rms_after', 'mesh', '1', '`rms` of the stable motion of the branch nearest in rms; NaN: the sweep &
+                             &leaves the branch', none_is_negative=.true.), jump%after)
+      call carry(fields, row('candidates', '', '1', 'number of other stable motions of the branch at this Lambda; above 1 &
+                             &rms_after is a guess'), &
                  jump%candidates)
-      call carry(fields, row('undecided', '', '1', '1 = it rests on undecided points: no decided one near it is stable on one side &
-                             &and none unstable on the other, or the motion after it is undecided'), jump%undecided)
+      call carry(fields, row('undecided', '', '1', '1 = the jump is a guess: near it no decided point is stable on one side and &
+                             &none unstable on the other, or the motion after it is undecided'), jump%undecided)
    end subroutine visit_jump
 
    !> Visits the ranges of Lambda without a stable motion.
@@ -148,15 +148,15 @@ contains
          found = bands_without_stability(branch)
       end if
       n = size(found)
-      if (.not. fields%enter(home//'/bands_without_stability', 'ranges of Lambda without a stable motion at any level of &
-                             &the branch; only with `stability`', n > 0)) return
+      if (.not. fields%enter(home//'/bands_without_stability', 'ranges of Lambda in which the branch has no stable motion; only &
+         &with `stability`', n > 0)) return
       call fields%index_axis('range', n, 'range, ascending')
       call fields%begin_list('range')
       do i = 1, n
          call fields%visit_item(i)
          call visit_ends(found(i), branch, fields)
-         call carry(fields, row('undecided', '', '1', '1 = the range is there by the guess of undecided points alone: nothing is &
-                                &left of it if every undecided point is stable'), found(i)%undecided)
+         call carry(fields, row('undecided', '', '1', '1 = the range is a guess: it vanishes if its undecided points are stable'), &
+                                found(i)%undecided)
       end do
       call fields%end_list()
    end subroutine visit_bands
@@ -195,8 +195,8 @@ contains
       end if
       n = size(found)
       if (back) then
-         if (.not. fields%enter(home//'/back_collision_ranges', 'ranges of Lambda in which the back flanks collide, &
-                                &p < -half_backlash at an instant; under a negative torque they bear the load, so everywhere', &
+         if (.not. fields%enter(home//'/back_collision_ranges', 'ranges of Lambda in which the back flanks touch, p < &
+            &-half_backlash at an instant; everywhere under a negative torque', &
                                 n > 0)) return
       else
          if (.not. fields%enter(home//'/separation_ranges', 'ranges of Lambda in which the teeth separate, |p| < half_backlash &
@@ -207,8 +207,8 @@ contains
       do i = 1, n
          call fields%visit_item(i)
          call visit_ends(found(i), branch, fields)
-         call carry(fields, row('mesh', '', '1', 'the mesh'), mesh(i))
-         call carry(fields, row('stable', '', '1', '1 = at stable motions; 0 = at any motion of the branch, stable or not'), &
+         call carry(fields, row('mesh', '', '1', 'number of the mesh'), mesh(i))
+         call carry(fields, row('stable', '', '1', '1 = range of the stable motions; 0 = range of all motions of the branch'), &
                     stable(i))
       end do
       call fields%end_list()
@@ -219,8 +219,8 @@ contains
       type(branch_type), intent(in) :: branch
       class(fields_type), intent(inout) :: fields
 
-      call carry(fields, row('from', '', free_unit(branch), 'lower end; '//about_ends), range%from)
-      call carry(fields, row('to', '', free_unit(branch), 'upper end; '//about_ends), range%to)
+      call carry(fields, row('from', '', free_unit(branch), 'lower end of the range: '//about_ends), range%from)
+      call carry(fields, row('to', '', free_unit(branch), 'upper end of the range: '//about_ends), range%to)
    end subroutine visit_ends
 
 end module geartrain_continuation_summary_fields

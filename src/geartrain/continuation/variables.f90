@@ -31,60 +31,59 @@ contains
       logical :: given
 
       call v%enter('response', 1)
-      call v%on_real(row('from', '', 'frequency or value of parameter at which the branch begins (start in a call)', &
+      call v%on_real(row('from', '', 'frequency, or value of parameter, at which the branch begins', &
                          required=.true.), settings%start)
-      call v%on_real(row('to', '', 'frequency or value of parameter at which it ends, above or below (stop in a call)', &
+      call v%on_real(row('to', '', 'frequency, or value of parameter, at which the branch ends, above or below', &
                          required=.true.), settings%stop)
       word = trim(settings%parameter)
-      call v%on_text(row('parameter', '', "number of the train that from and to are values of, at constant frequency, as in &
-                         &'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none, they &
-                         &are frequencies"), word)
+      call v%on_text(row('parameter', '', "number of the train that varies at constant frequency, as in 'input_torque', 'mesh 2 &
+                         &half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none"), word)
       if (allocated(word)) settings%parameter = word
       given = abs(settings%frequency) > 0
-      call v%on_real(row('frequency', '', 'with parameter: the constant frequency', above=zero), settings%frequency, given)
+      call v%on_real(row('frequency', '', 'constant frequency of a branch over parameter', above=zero), settings%frequency, given)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs, the choice for &
+      call v%on_integer(row('harmonics', '', 'harmonics R of Lambda/subharmonic; 0: as many as tolerance needs, recommended for &
                             &trains with teeth', least=one, &
                             most=most_harmonics*one, automatic=zero), settings%harmonics)
       call v%on_integer(row('subharmonic', '', 'period of the motion in periods of the fundamental, eta', least=one, &
          &most=1000*one), &
                         settings%subharmonic)
-      call v%on_logical(row('stability', '', 'whether every point is stable, by its Floquet multipliers or, where a period has &
-                            &more than 500 cycles of a mesh, its growth rate'), settings%stability)
-      call v%on_logical(row('multipliers', '', 'Floquet multipliers of every point to their digits, however long the &
-                          &period is and however large the train'), &
+      call v%on_logical(row('stability', '', 'stability of every point, by Floquet multipliers or, where a period has more than &
+                            &500 cycles of a mesh, by the growth rate'), settings%stability)
+      call v%on_logical(row('multipliers', '', 'all Floquet multipliers of every point to full accuracy, also for long periods and &
+                            &large trains'), &
                         settings%multipliers)
       call v%on_logical(row('shaft_torque', '', 'mean and extremes of the torque of every shaft at every point'), &
                         settings%shaft_torque)
-      call v%on_real(row('amplitude_limit', '', 'rms over characteristic length beyond which the branch is followed but not &
-                         &recorded; -1: 12 with backlash, 10000 for a linear train, where it counts as infinite (both times the &
-                         &larger of half backlash and static deflection)', above=zero, automatic=-one), &
+      call v%on_real(row('amplitude_limit', '', 'rms over characteristic_length above which the branch is followed but not stored; &
+                         &-1: 12 times the larger of half backlash and static deflection, 10000 times for a linear train, where it &
+                         &counts as infinite', above=zero, automatic=-one), &
                      settings%amplitude_limit)
       word = trim(settings%coefficients)
-      call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled &
-                         &(the discrete transform of the paper)', &
+      call v%on_text(row('coefficients', '', 'Fourier coefficients of the mesh force: exact from the contact events, or sampled by &
+                         &the discrete transform of the paper', &
                          choices='exact sampled'), word)
       settings%coefficients = word
-      call v%on_integer(row('samples', '', 'points a period for sampled coefficients; 0: chosen by the program', least=one, &
+      call v%on_integer(row('samples', '', 'samples per period for sampled coefficients; 0: chosen by the program', least=one, &
                             most=most_samples*one, automatic=zero), settings%samples)
       word = trim(settings%control)
-      call v%on_text(row('control', '', 'pseudo-arclength, or the local switching of the control parameter of the paper, &
-                         &equation (11)', choices='arclength local'), word)
+      call v%on_text(row('control', '', 'continuation by pseudo-arclength, or by local switching of the control parameter, &
+                         &equation (11) of the paper', choices='arclength local'), word)
       settings%control = word
-      call v%on_real(row('tolerance', '', 'relative error of the waveform aimed at where harmonics = 0', above=zero, most=one), &
+      call v%on_real(row('tolerance', '', 'relative error of the waveform to reach where harmonics = 0', above=zero, most=one), &
                      settings%tolerance)
-      call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together, each over the power &
-                         &of ten nearest to the own scale of the train (see docs/numerics.md)', above=zero), &
+      call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together, each scaled by a &
+                         &power of ten to its size in the train', above=zero), &
                      settings%step)
-      call v%on_integer(row('max_points', '', 'points after which the branch is given up', least=2*one, most=1e7*one), &
+      call v%on_integer(row('max_points', '', 'number of points at which the branch is given up', least=2*one, most=1e7*one), &
                         settings%max_points)
-      call v%on_integer(row('period_doublings', '', 'how often a period doubling is followed: 1: the branches of twice the period, &
-                            &2: those of four times as well, ...', least=zero, most=6*one), settings%period_doublings)
-      call v%on_logical(row('branch_points', '', 'the branches of the same period that cross at branch points are followed &
-                            &too: where a multiplier passes +1 without a fold, as where equal stages begin to move differently'), &
+      call v%on_integer(row('period_doublings', '', 'levels of period doubling to follow; 1: branches of twice the period, 2: also &
+                            &of four times the period, ...', least=zero, most=6*one), settings%period_doublings)
+      call v%on_logical(row('branch_points', '', 'follow also the branches that cross at branch points, as where equal stages &
+                            &begin to move differently'), &
                         settings%branch_points)
-      call v%on_logical(row('refine', '', 'every point polished by shooting to about 1e-11, multipliers included; in the end, &
-                            &further branches as well'), settings%refine)
+      call v%on_logical(row('refine', '', 'refine every point by shooting to about 1e-11, with its multipliers, also on further &
+                            &branches'), settings%refine)
       call v%leave()
    end subroutine visit_response
 

@@ -16,52 +16,53 @@ module geartrain_flow_fields
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
    character(*), parameter :: about_mesh = 'mesh, in the order of the train', about_shaft = 'shaft, in the order of the train'
-   character(*), parameter :: about_rms = 'mesh displacement / characteristic_length, the rms of Al-shyyab and Kahraman &
-      &(2007): square root of the sum of squared harmonic amplitudes, mean left out; sqrt(2) times the true AC rms'
-   character(*), parameter :: about_true_ac_rms = 'mesh displacement / characteristic_length, root mean square over time &
-      &of the displacement less its mean; rms / sqrt(2)'
+   character(*), parameter :: about_rms = 'rms of the paper, of mesh displacement / characteristic_length: root of the sum of &
+      &squared harmonic amplitudes, sqrt(2) times the true AC rms'
+   character(*), parameter :: about_true_ac_rms = 'root mean square over time of mesh displacement / characteristic_length without &
+      &its mean; rms / sqrt(2)'
    character(*), parameter :: about_mean = 'mean mesh displacement / characteristic_length'
    character(*), parameter :: about_minimum = 'smallest mesh displacement over the period / characteristic_length'
    character(*), parameter :: about_maximum = 'largest mesh displacement over the period / characteristic_length'
-   character(*), parameter :: about_coefficients = 'Fourier coefficients of mesh displacement / characteristic_length: &
-      &mean, cos 1, sin 1, cos 2, ... of the fundamental frequency Lambda/period'
+   character(*), parameter :: about_coefficients = 'Fourier coefficients of mesh displacement / characteristic_length: mean, cos &
+      &1, sin 1, cos 2, ... of the frequency Lambda/period'
    character(*), parameter :: about_multipliers = 'Floquet multipliers over one period of the motion'
-   character(*), parameter :: about_stable = '1 = stable: all Floquet multipliers lie inside the unit circle, every &
-      &perturbation dies out; 0 = not'
-   character(*), parameter :: about_undecided = '1 = undecided, `stable` is a guess: the largest multiplier is as near to the unit &
-      &circle as it is uncertain, the error of the motion is itself doubtful, or nothing confirms the multipliers; 0 = not'
-   character(*), parameter :: about_growth_rate = 'growth rate of the slowest perturbation, the largest real part of a Floquet &
-      &exponent: negative where the motion is stable'
+   character(*), parameter :: about_stable = '1 = stable: all Floquet multipliers are inside the unit circle; 0 = unstable, or no &
+      &period was found'
+   character(*), parameter :: about_undecided = '1 = undecided, `stable` is a guess: the largest multiplier is nearer to the unit &
+      &circle than its error, the error of the motion is doubtful, or nothing confirms the multipliers'
+   character(*), parameter :: about_growth_rate = 'largest real part of a Floquet exponent; negative where the motion is stable'
    character(*), parameter :: on_stability = 'with `stability`'
 
    type(row), parameter :: loads(4) = [ &
       row('mesh_force_maximum', 'mesh', 'N', &
-          'largest mesh force over the period, damping included, in the direction of the static force', optional=.true.), &
+          'largest mesh force over the period in the direction of the static force, damping included', optional=.true.), &
       row('dynamic_factor', 'mesh', '1', 'largest mesh force / static (mean) mesh force; NaN where there is no static force', &
           optional=.true., none_is_negative=.true.), &
       row('separation_fraction', 'mesh', '1', &
-          'share of the period with the teeth apart, |p| < half_backlash; 0 without backlash', optional=.true.), &
-      row('back_contact_fraction', 'mesh', '1', 'share of the period with the back flanks in contact, p < -half_backlash; &
-          &0 without backlash; under a negative torque these bear the load', optional=.true.)]
+          'share of the period with the teeth apart, |p| < half_backlash', optional=.true.), &
+      row('back_contact_fraction', 'mesh', '1', 'share of the period with the back flanks in contact, p < -half_backlash', &
+          optional=.true.)]
 
-   character(*), parameter :: of_torque = ' torque of a shaft over the period, positive where its first body drives the &
-      &second; NaN where rigid shafts side by side leave it undetermined'
+   character(*), parameter :: of_torque = ' torque of a shaft over the period'
    type(row), parameter :: torques(3) = [ &
-      row('shaft_torque_mean', 'shaft', 'N m', 'mean'//of_torque, 'with `shaft_torque`', optional=.true.), &
-      row('shaft_torque_minimum', 'shaft', 'N m', 'smallest'//of_torque, 'with `shaft_torque`', optional=.true.), &
-      row('shaft_torque_maximum', 'shaft', 'N m', 'largest'//of_torque, 'with `shaft_torque`', optional=.true.)]
+      row('shaft_torque_mean', 'shaft', 'N m', 'mean'//of_torque//', positive where its first body drives the second; NaN: &
+          &undetermined, rigid shafts in parallel', 'with `shaft_torque`', optional=.true.), &
+      row('shaft_torque_minimum', 'shaft', 'N m', 'smallest'//of_torque//', signed as shaft_torque_mean', 'with `shaft_torque`', &
+          optional=.true.), &
+      row('shaft_torque_maximum', 'shaft', 'N m', 'largest'//of_torque//', signed as shaft_torque_mean', 'with `shaft_torque`', &
+          optional=.true.)]
 
-   character(*), parameter :: longer = 'what a window ten times as long changes of ', in_window = 'of a window'
+   character(*), parameter :: as_rms = 'as rms_uncertainty, for ', in_window = 'where `window` > 0'
    type(row), parameter :: of_displacement(5) = [ &
-      row('rms_uncertainty', 'mesh', '1', longer//'rms, in 95 of 100 cases at most', in_window, optional=.true.), &
-      row('mean_uncertainty', 'mesh', '1', longer//'mean, likewise', in_window, optional=.true.), &
-      row('minimum_uncertainty', 'mesh', '1', longer//'minimum, likewise', in_window, optional=.true.), &
-      row('maximum_uncertainty', 'mesh', '1', longer//'maximum, likewise', in_window, optional=.true.), &
-      row('force_uncertainty', 'mesh', 'N', longer//'mesh_force_maximum, likewise', in_window, optional=.true.)]
+      row('rms_uncertainty', 'mesh', '1', 'change of rms by a window ten times as long, 95 % bound', in_window, optional=.true.), &
+      row('mean_uncertainty', 'mesh', '1', as_rms//'mean', in_window, optional=.true.), &
+      row('minimum_uncertainty', 'mesh', '1', as_rms//'minimum', in_window, optional=.true.), &
+      row('maximum_uncertainty', 'mesh', '1', as_rms//'maximum', in_window, optional=.true.), &
+      row('force_uncertainty', 'mesh', 'N', as_rms//'mesh_force_maximum', in_window, optional=.true.)]
    type(row), parameter :: of_torques(3) = [ &
-      row('torque_mean_uncertainty', 'shaft', 'N m', longer//'shaft_torque_mean, likewise', in_window, optional=.true.), &
-      row('torque_min_uncertainty', 'shaft', 'N m', longer//'shaft_torque_minimum, likewise', in_window, optional=.true.), &
-      row('torque_max_uncertainty', 'shaft', 'N m', longer//'shaft_torque_maximum, likewise', in_window, optional=.true.)]
+      row('torque_mean_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_mean', in_window, optional=.true.), &
+      row('torque_min_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_minimum', in_window, optional=.true.), &
+      row('torque_max_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_maximum', in_window, optional=.true.)]
 
    !> Carries the fields of the torques of shafts.
    interface carry_torques
@@ -105,7 +106,7 @@ contains
             if (allocated(motions(i)%state)) coordinates = max(coordinates, size(motions(i)%state))
             if (allocated(motions(i)%multipliers)) states = max(states, size(motions(i)%multipliers))
          end do
-         call coefficient_axis([(i, i=1, terms/2)], 'period', fields)
+         call coefficient_axis([(i, i=1, terms/2)], fields)
       end if
       call fields%index_axis('mesh', meshes, about_mesh)
       torques_there = fields%has('shaft_torque_mean', shafts > 0)
@@ -119,18 +120,20 @@ contains
       if (fields%way == listing) then
          allocate (none(1))
          call fields%visit_item(1)
-         call visit_motion(none(1), .true., fields)
+         call visit_motion(none(1), along, .true., fields)
       else
          do i = 1, n
             call fields%visit_item(i)
-            call visit_motion(motions(i), torques_there, fields)
+            call visit_motion(motions(i), along, torques_there, fields)
          end do
       end if
       call fields%end_list()
    end subroutine visit_motions
 
-   subroutine visit_motion(motion, torques_there, fields)
+   subroutine visit_motion(motion, along, torques_there, fields)
       type(motion_type), intent(inout) :: motion
+      !> Dimension of the list: 'point' of a sweep, else 'motion'.
+      character(*), intent(in) :: along
       !> Whether a motion of the list has torques of shafts.
       logical, intent(in) :: torques_there
       class(fields_type), intent(inout) :: fields
@@ -138,17 +141,17 @@ contains
       real(dp) :: exponent
 
       call carry(fields, row('frequency', '', '1', about_frequency), motion%frequency_ratio)
-      call carry(fields, row('period', '', '1', 'period of the motion in periods of the fundamental, 1 to 16; 0 = none found, the &
-                             &figures are then of the last 16 periods of the fundamental, or of `window`', least=0), &
+      call carry(fields, row('period', '', '1', 'period in periods of the fundamental, 1 to 16; 0 = none found: values and &
+                             &coefficients are of the last 16 periods, or of `window`', least=0), &
                  motion%period)
       if (fields%has('window', motion%window > 0)) then
-         call carry(fields, row('window', '', '1', 'window over which the figures are taken, from time 0 on, in periods of the &
-                                &fundamental; 0: they are those of periods', in_window), motion%window)
+         call carry(fields, row('window', '', '1', 'window of the values from time 0 on, in periods of the fundamental; 0: the &
+                                &values are of periods', in_window), motion%window)
          if (ieee_is_nan(motion%window)) motion%window = 0
       end if
-      call carry(fields, row('kind', '', '', 'periodic; stationary: settled, with the figures of a window; where no period was &
-                             &found chaotic, quasi-periodic, still settling (or of a longer period than 16), undecided, or &
-                             &unbounded (given up, without figures)'), motion%kind)
+      call carry(fields, row('kind', '', '', 'periodic; stationary: settled, values of a window; without a period: chaotic, &
+                             &quasi-periodic, still settling (or a period above 16), undecided, or unbounded (given up, without &
+                             &values)'), motion%kind)
       call carry(fields, row('rms', 'mesh', '1', about_rms, optional=.true.), motion%rms)
       if (allocated(motion%rms)) ac = motion%rms/sqrt(2.0_dp)
       if (fields%derives()) call carry(fields, row('true_ac_rms', 'mesh', '1', about_true_ac_rms), ac)
@@ -161,43 +164,45 @@ contains
       if (fields%has('rms_uncertainty', allocated(motion%uncertainty%rms))) &
          call carry_uncertainty(fields, motion%uncertainty, torques_there)
       if (fields%has('ringing', motion%ringing >= 0)) &
-         call carry(fields, row('ringing', '', '1', 'amplitude of free vibrations that take too long to die out, when last &
-                                &read, over the alternating displacement, the largest of all meshes; NaN: not known', in_window, &
+         call carry(fields, row('ringing', '', '1', 'amplitude of free vibrations that have not died out over the alternating &
+                                &displacement, largest of all meshes; NaN: not known', in_window, &
                                 none_is_negative=.true.), motion%ringing)
-      call carry(fields, row('coefficients', 'mesh coefficient', '1', about_coefficients//'; where no period was found, of &
-                             &Lambda/16 or Lambda/window', optional=.true.), motion%coefficients)
+      call carry(fields, row('coefficients', 'mesh coefficient', '1', about_coefficients, optional=.true.), motion%coefficients)
       if (fields%has('error_estimate', motion%error_estimate >= 0)) &
          call carry(fields, row('error_estimate', '', '1', 'estimated relative error of the waveform', &
                                 'where there is an estimate', none_is_negative=.true.), motion%error_estimate)
       exponent = ieee_value(exponent, ieee_quiet_nan)
       if (allocated(motion%lyapunov_exponent)) exponent = motion%lyapunov_exponent
       if (fields%has('lyapunov_exponent', allocated(motion%lyapunov_exponent))) then
-         call carry(fields, row('lyapunov_exponent', '', '1', 'largest Lyapunov exponent per unit of time &
-                                &(1/characteristic_frequency): positive = chaos, about 0 = quasi-periodic; of a periodic motion &
-                                &ln(largest multiplier)/time', 'of what integration gave'), exponent)
+         call carry(fields, row('lyapunov_exponent', '', '1', 'largest Lyapunov exponent / characteristic_frequency: &
+                                &positive = chaotic, about 0 = quasi-periodic; of a periodic motion &
+                                &ln(largest multiplier)/period', &
+                                'from time integration'), exponent)
          call carry(fields, row('lyapunov_error', '', '1', 'uncertainty of lyapunov_exponent at 95 %; 0 for a periodic motion', &
-                                'of what integration gave'), motion%lyapunov_error)
+                                'from time integration'), motion%lyapunov_error)
          if (ieee_is_nan(motion%lyapunov_error)) motion%lyapunov_error = 0
       end if
       if (fields%way == reading .and. .not. ieee_is_nan(exponent)) motion%lyapunov_exponent = exponent
       if (fields%has('floating', motion%floating)) &
-         call carry(fields, row('floating', '', '1', '1 = some mesh bears on neither flank and no mean torque holds it: its mean &
-                                &position in the gap is not unique, any other would do', 'where there is such a motion'), &
+         call carry(fields, row('floating', '', '1', '1 = some mesh touches neither flank and no mean torque holds it: its mean &
+                                &position in the gap is arbitrary', 'where there is such a motion'), &
                     motion%floating)
       if (fields%has('multipliers', allocated(motion%multipliers))) then
-         call carry(fields, row('stable', '', '1', about_stable//'; 0 also where no period was found', on_stability), motion%stable)
+         call carry(fields, row('stable', '', '1', about_stable, on_stability), motion%stable)
          call carry(fields, row('undecided', '', '1', about_undecided, on_stability), motion%undecided)
          call carry(fields, row('multipliers', 'state complex', '1', about_multipliers//'; NaN where no period was found', &
                                 on_stability), motion%multipliers)
       end if
       if (fields%has('initial_state', allocated(motion%state))) &
-         call carry(fields, row('initial_state', 'coordinate', '1', 'state at time 0: the displacement of every elastic element / &
-                                &characteristic_length, then its velocity per 1/characteristic_frequency; see `Motion.state` in &
-                                &Python', 'of what integration gave', optional=.true.), motion%state)
+         call carry(fields, row('initial_state', 'coordinate', '1', 'state at time 0: displacement of every elastic element / &
+                                &characteristic_length, then velocities / (characteristic_length times &
+                                &characteristic_frequency)', 'from time integration', optional=.true.), motion%state)
       if (fields%way == reading) call fields%check(all([allocated(motion%rms), allocated(motion%mean), allocated(motion%minimum), &
                                                         allocated(motion%maximum)] .eqv. allocated(motion%coefficients)), 'rms')
+      ! Points of a sweep have no share of random starts.
+      if (along == 'point') return
       if (fields%has('share', motion%share >= 0)) &
-         call carry(fields, row('share', '', '1', 'share of the starts that settled on the motion', 'of attractors', &
+         call carry(fields, row('share', '', '1', 'share of the random starts that settled on the motion', &
                                 none_is_negative=.true.), motion%share)
    end subroutine visit_motion
 
@@ -220,11 +225,9 @@ contains
    end subroutine carry_uncertainty
 
    !> Adds the axis of coefficients with the labels mean, cos 1, sin 1, cos 2, ...
-   subroutine coefficient_axis(orders, period, fields)
+   subroutine coefficient_axis(orders, fields)
       !> Harmonics of the coefficients, ascending.
       integer, intent(in) :: orders(:)
-      !> Name of the divisor of Lambda in the frequency of the first harmonic: 'period' or 'subharmonic'.
-      character(*), intent(in) :: period
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       character(16) :: labels(1 + 2*size(orders))
@@ -235,7 +238,7 @@ contains
          write (labels(2*i), '(a, i0)') 'cos ', orders(i)
          write (labels(2*i + 1), '(a, i0)') 'sin ', orders(i)
       end do
-      call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/'//period)
+      call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/period')
    end subroutine coefficient_axis
 
    !> Torques of the shafts of a motion.

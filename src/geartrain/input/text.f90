@@ -73,10 +73,10 @@ contains
 
       call list_variables(rows)
       text = 'A real number that is not 0 has a magnitude from '//real_text(smallest)//' to '//real_text(largest)// &
-             '; in a list smaller ones count as well.'//newline// &
-             '`start` and `stop`, the keywords of calls, may stand for `from` and `to`, also at the end of a name.'//newline
+             '; numbers of a list may be smaller.'//newline//newline//'In calls `from` and `to` are named `start` and `stop`, also &
+                &at the end of a name. A case file takes both names.'//newline
       do i = 1, size(groups)
-         text = text//newline//'### `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
+         text = text//newline//'## `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
          if (.not. any(rows%group == groups(i)%name)) cycle
          text = text//newline//'| Variable | Type | Unit | Default | Allowed | Meaning |'//newline// &
                 '|---|---|---|---|---|---|'//newline
@@ -94,9 +94,23 @@ contains
 
       default = trim(row%default)
       if (row%variable%required) default = 'required'
-      text = text//'| `'//trim(row%variable%name)//'` | '//trim(row%kind)//' | '//trim(row%variable%unit)//' | '//default// &
-             ' | '//trim(row%variable%range())//' | '//trim(row%variable%description)//' |'//newline
+      text = text//'| `'//trim(row%variable%name)//'` |'
+      call add_cell(row%kind, text)
+      call add_cell(row%variable%unit, text)
+      call add_cell(default, text)
+      call add_cell(row%variable%range(), text)
+      call add_cell(row%variable%description, text)
+      text = text//newline
    end subroutine add_row
+
+   !> Adds a cell of a table with the bar after it.
+   subroutine add_cell(words, text)
+      character(*), intent(in) :: words
+      character(:), allocatable, intent(inout) :: text
+
+      if (words /= '') text = text//' '//trim(words)//' '
+      text = text//'|'
+   end subroutine add_cell
 
    subroutine begin_group(self, group, index)
       class(writer_type), intent(inout) :: self

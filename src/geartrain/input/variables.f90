@@ -9,11 +9,12 @@ module geartrain_input_variables
    public :: groups, visit_case, visit_output
 
    type(group_row_type), parameter :: groups(*) = [ &
-      group_row_type('train', 'The train as a whole. Once, first in the file.'), &
-      group_row_type('body', 'A body that turns as one: a gear, a rotor. None in a chain; else one for each, and &shaft and &mesh &
-                     &join them by name, in any order.'), &
-      group_row_type('shaft', 'A shaft. In a chain M times, alternating with &mesh: shaft, mesh, ..., shaft; at least two.'), &
-      group_row_type('mesh', 'A gear pair. In a chain M-1 times, each between two &shaft groups.'), &
+      group_row_type('train', 'The train as a whole: one group, first in the file.'), &
+      group_row_type('body', 'A body that turns as one: a gear, a rotor. A chain has none; in other trains &shaft and &mesh join &
+         &bodies by name, in any order.'), &
+      group_row_type('shaft', 'A shaft. A chain lists &shaft and &mesh in turn from motor to load: shaft, mesh, ..., mesh, &
+         &shaft.'), &
+      group_row_type('mesh', 'A gear pair. In a chain each &mesh stands between two &shaft.'), &
       analyses, &
       group_row_type('output', 'Where the results go.')]
 
@@ -45,8 +46,8 @@ contains
       class(visitor_type), intent(inout) :: v
 
       call v%enter('output', 1)
-      call v%on_text(row('file', '', 'name of the HDF5 file, relative to the working directory; empty: the name of the case file &
-                         &with .h5, in the working directory'), file)
+      call v%on_text(row('file', '', 'name of the HDF5 file, relative to the working directory; blank: the name of the case file &
+                         &with .h5'), file)
       call v%leave()
    end subroutine visit_output
 

@@ -23,8 +23,8 @@ contains
       character(:), allocatable :: word
 
       word = trim(unit)
-      call v%on_text(row('unit', '', 'unit of the frequencies of the group: Lambda; rpm, the speed, of a train whose meshes all &
-                         &have teeth; Hz, of the fundamental', choices='Lambda rpm Hz'), word)
+      call v%on_text(row('unit', '', 'unit of the frequencies; rpm only where every mesh has teeth', &
+                         choices='Lambda rpm Hz'), word)
       unit = word
    end subroutine visit_unit
 

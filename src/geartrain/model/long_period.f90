@@ -30,8 +30,8 @@ contains
       !> The visitor.
       class(visitor_type), intent(inout) :: v
 
-      call v%on_logical(row('long_period', '', 'computed even where a period has more than 500 cycles of a mesh, as with hunting &
-                            &teeth: minutes to days'), insists)
+      call v%on_logical(row('long_period', '', 'allow periods of more than 500 mesh cycles, as of hunting teeth; takes minutes to &
+                            &days'), insists)
    end subroutine visit_long_period
 
    !> Adds a problem of the whole group where the period is long and the user does not insist; nothing for a train not `in_order`.

@@ -51,12 +51,12 @@ contains
 
       chain = .not. allocated(train%bodies)
       call v%enter('train', 1)
-      call v%on_text(row('title', '', 'a line of text that goes with the results'), train%title)
-      call v%on_real(row('input_torque', 'N m', 'mean torque on the driving end of a chain; the load torque balances it by &
-                         &itself', required=chain), train%input_torque, chain)
+      call v%on_text(row('title', '', 'a line of text that is stored with the results'), train%title)
+      call v%on_real(row('input_torque', 'N m', 'mean torque at the driving end of a chain; the load torque balances it', &
+                         required=chain), train%input_torque, chain)
       call v%on_list(row('torque_cos', 'N m', 'cosine amplitudes of the input torque, orders 1, 2, ... of Lambda'), &
                      train%torque_cos)
-      call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, likewise'), train%torque_sin)
+      call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), train%torque_sin)
       chain = .not. allocated(train%bodies)
       call v%on_real(row('prime_mover_inertia', 'kg m^2', 'polar moment of inertia at the driving end of a chain; 0 only if the &
                          &first shaft is rigid', required=chain, least=zero), train%prime_mover_inertia, chain)
@@ -64,17 +64,17 @@ contains
       call v%on_real(row('load_inertia', 'kg m^2', 'polar moment of inertia at the driven end of a chain; 0 only if the last &
                          &shaft is rigid', required=chain, least=zero), train%load_inertia, chain)
       given = .not. abs(train%characteristic_length) <= 0
-      call v%on_real(row('characteristic_length', 'm', 'unit in which mesh displacements are reported, b_c; may be left out where &
-                         &every mesh has teeth: 1e-6', above=zero), train%characteristic_length, given)
+      call v%on_real(row('characteristic_length', 'm', 'unit of the mesh displacements in results, b_c; default where every mesh &
+                         &has teeth: 1e-6', above=zero), train%characteristic_length, given)
       given = .not. abs(train%characteristic_frequency) <= 0
-      call v%on_real(row('characteristic_frequency', 'rad/s', 'unit in which frequencies are reported, omega_c; Lambda is the &
-                         &fundamental frequency over it. May be left out where every mesh has teeth: Lambda is then the speed &
-                         &in rpm', above=zero), train%characteristic_frequency, given)
-      call v%on_list(row('modal_damping', '', 'damping ratios of modes 1, 2, ...; the last one is that of all higher modes. Shafts &
-                         &and meshes without damping of their own get the damping >= 0 that comes nearest to them', least=zero, &
-                         most=one), train%modal_damping)
+      call v%on_real(row('characteristic_frequency', 'rad/s', 'unit of the frequencies in results, omega_c: Lambda is the &
+                         &fundamental frequency over omega_c. Default where every mesh has teeth: Lambda is the speed in rpm', &
+                         above=zero), train%characteristic_frequency, given)
+      call v%on_list(row('modal_damping', '', 'damping ratios of modes 1, 2, ...; the last value holds for all higher modes. &
+                         &Shafts and meshes without damping of their own get the damping >= 0 that comes nearest to it', &
+                         least=zero, most=one), train%modal_damping)
       word = trim(train%speed_of)
-      call v%on_text(row('speed_of', '', 'name of the body whose revolutions are the speed in rpm; blank: the first body'), word)
+      call v%on_text(row('speed_of', '', 'name of the body whose speed is given in rpm; blank: the first body'), word)
       train%speed_of = word
       call v%leave()
    end subroutine visit_train
@@ -90,25 +90,26 @@ contains
       logical :: given
 
       call v%enter('body', index)
-      call v%on_text(row('name', '', 'by which shafts and meshes call it', required=.true.), body%name)
+      call v%on_text(row('name', '', 'name by which shafts and meshes refer to the body', required=.true.), body%name)
       given = .not. abs(body%inertia + 1) <= 0
-      call v%on_real(row('inertia', 'kg m^2', 'polar moment of inertia; 0 only where rigid shafts alone join it with others. May &
-                         &be left out: then by outer_diameter, else that of its gears as discs of their pitch diameters', &
+      call v%on_real(row('inertia', 'kg m^2', 'polar moment of inertia; 0 only where all its connections are rigid shafts. &
+                         &Default: from outer_diameter, else of its gears as discs of their pitch diameters', &
                          least=zero), body%inertia, given)
-      call v%on_list(row('outer_diameter', 'm', 'diameters of discs whose inertias are added up', above=zero), body%outer_diameter)
-      call v%on_list(row('bore', 'm', 'bores of the discs; none: 0, one: of all', least=zero), body%bore)
+      call v%on_list(row('outer_diameter', 'm', 'diameters of discs; their inertias are added', above=zero), body%outer_diameter)
+      call v%on_list(row('bore', 'm', 'bores of the discs; one value: for all; none: 0', least=zero), body%bore)
       call v%on_list(row('width', 'm', 'widths of the discs', above=zero), body%width)
-      call v%on_list(row('density', 'kg/m^3', 'densities of the discs; none: 7850, one: of all', above=zero), body%density)
-      call v%on_real(row('torque', 'N m', 'mean torque on it, positive in the sense in which it turns'), body%torque)
-      call v%on_list(row('torque_cos', 'N m', 'cosine amplitudes of its torque, orders 1, 2, ... of Lambda'), body%torque_cos)
-      call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, likewise'), body%torque_sin)
-      call v%on_list(row('revolution_torque_cos', 'N m', 'cosine amplitudes of its torque, orders 1, 2, ... of its own &
+      call v%on_list(row('density', 'kg/m^3', 'densities of the discs; one value: for all; none: 7850', above=zero), body%density)
+      call v%on_real(row('torque', 'N m', 'mean torque on the body, positive in its sense of rotation'), body%torque)
+      call v%on_list(row('torque_cos', 'N m', 'cosine amplitudes of the torque on the body, orders 1, 2, ... of Lambda'), &
+                         body%torque_cos)
+      call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%torque_sin)
+      call v%on_list(row('revolution_torque_cos', 'N m', 'cosine amplitudes of the torque on the body, orders 1, 2, ... of its &
                          &revolution; every mesh must have teeth'), body%revolution_torque_cos)
-      call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, likewise'), body%revolution_torque_sin)
-      call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of its vibration against the ground; none of its mean &
-                         &motion: a mean drag is a torque', least=zero), body%damping_to_ground)
-      call v%on_logical(row('balances', '', 'its mean torque balances those of all others, in a run-up the &
-                               &acceleration of the inertias as well; true for exactly one body'), &
+      call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%revolution_torque_sin)
+      call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of the vibration of the body against the ground; give a mean &
+                         &drag as torque', least=zero), body%damping_to_ground)
+      call v%on_logical(row('balances', '', 'the mean torque of the body balances all other torques, in a run-up also the &
+                            &acceleration of the inertias; .true. for exactly one body'), &
                         body%balances)
       call v%leave()
    end subroutine visit_body
@@ -124,25 +125,26 @@ contains
       logical :: given, by_ratio
 
       call v%enter('shaft', index)
-      call v%on_names(row('between', '', 'names of the two bodies that it joins; none in a chain'), shaft%between)
-      call v%on_logical(row('rigid', '', 'the inertias at the ends of the shaft move as one; it then has neither stiffness nor &
-                            &damping'), shaft%rigid)
+      call v%on_names(row('between', '', 'names of the bodies at its two ends; none in a chain'), shaft%between)
+      call v%on_logical(row('rigid', '', 'the bodies at its ends turn as one; a rigid shaft has no stiffness and no damping'), &
+                            shaft%rigid)
       ! Where several are given, all are written, so that `check_shaft` finds the contradiction again.
       given = .not. abs(shaft%stiffness) <= 0
-      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; or rigid, or by diameter and length', above=zero), &
+      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; else from diameter and length', above=zero), &
                      shaft%stiffness, given)
-      call v%on_list(row('diameter', 'm', 'diameters of sections in series: pi G (D^4 - d^4)/(32 l)', above=zero), shaft%diameter)
-      call v%on_list(row('bore', 'm', 'bores of the sections; none: 0, one: of all', least=zero), shaft%bore)
+      call v%on_list(row('diameter', 'm', 'diameters of sections in series, each of stiffness pi G (D^4 - d^4)/(32 l)', &
+                         above=zero), shaft%diameter)
+      call v%on_list(row('bore', 'm', 'bores of the sections; one value: for all; none: 0', least=zero), shaft%bore)
       call v%on_list(row('length', 'm', 'lengths of the sections', above=zero), shaft%length)
       call v%on_real(row('shear_modulus', 'N/m^2', 'shear modulus, G', above=zero), shaft%shear_modulus)
       by_ratio = .not. (shaft%rigid .or. shaft%damping_given .or. shaft%loss_factor > 0)
-      call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the bodies at the ends, without &
-                         &what is rigidly joined to them; of a train without &body with it', &
+      call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of the bodies at its ends; in a chain I_a &
+                         &and I_b include rigidly joined inertias', &
                          least=zero), shaft%damping_ratio, by_ratio)
-      call v%on_real(row('damping', 'N m s/rad', 'damping coefficient, instead of damping_ratio', least=zero, &
+      call v%on_real(row('damping', 'N m s/rad', 'damping coefficient, in place of damping_ratio', least=zero, &
                          excludes='damping_ratio'), shaft%damping, shaft%damping_given)
       given = shaft%loss_factor > 0
-      call v%on_real(row('loss_factor', '', 'structural damping, instead of damping_ratio: damping k loss_factor/omega, omega the &
+      call v%on_real(row('loss_factor', '', 'structural damping, in place of damping_ratio: damping k loss_factor/omega, omega the &
                          &natural frequency of the mode in which the shaft has most strain energy', least=zero, most=2*one), &
                      shaft%loss_factor, given)
       call v%leave()
@@ -160,64 +162,64 @@ contains
       character(:), allocatable :: word
 
       call v%enter('mesh', index)
-      call v%on_names(row('between', '', 'names of the bodies that the driving and the driven gear are on; none in a chain'), &
+      call v%on_names(row('between', '', 'names of the bodies with the driving and the driven gear; none in a chain'), &
                       mesh%between)
       call visit_drawing(mesh, v)
       given = .not. abs(mesh%driving_radius) <= 0
-      call v%on_real(row('driving_radius', 'm', 'base circle radius of the driving gear; or by teeth and normal_module', &
+      call v%on_real(row('driving_radius', 'm', 'base circle radius of the driving gear; else from teeth and normal_module', &
                          above=zero), mesh%driving_radius, given)
       given = .not. abs(mesh%driven_radius) <= 0
-      call v%on_real(row('driven_radius', 'm', 'base circle radius of the driven gear; or by teeth and normal_module', &
+      call v%on_real(row('driven_radius', 'm', 'base circle radius of the driven gear; else from teeth and normal_module', &
                          above=zero), mesh%driven_radius, given)
       own_gears = .not. abs(mesh%driving_inertia) <= 0
-      call v%on_real(row('driving_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driving gear; or as a disc of &
+      call v%on_real(row('driving_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driving gear; else of a disc of &
                          &its pitch diameter', above=zero), mesh%driving_inertia, own_gears)
       own_gears = .not. abs(mesh%driven_inertia) <= 0
-      call v%on_real(row('driven_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driven gear; or as a disc of &
+      call v%on_real(row('driven_inertia', 'kg m^2', 'in a chain: polar moment of inertia of the driven gear; else of a disc of &
                          &its pitch diameter', above=zero), mesh%driven_inertia, own_gears)
-      call v%on_logical(row('internal', '', 'an internal gear pair: both gears turn in one sense'), mesh%internal)
+      call v%on_logical(row('internal', '', 'internal gear pair: both gears turn in the same sense'), mesh%internal)
       ! Where both are given, both are written, so that `check_stiffness` finds the contradiction again.
       plain = .not. abs(mesh%stiffness) <= 0
-      call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action in the transverse plane; or by &
-                         &stiffness_table, or by ISO 6336-1 where the drawing is given, less below a line load of 100 N/mm', &
+      call v%on_real(row('stiffness', 'N/m', 'mean mesh stiffness along the line of action in the transverse plane; else from &
+                         &stiffness_table, or from the drawing by ISO 6336-1, reduced below a line load of 100 N/mm', &
                          above=zero), mesh%stiffness, plain)
       by_ratio = .not. (mesh%damping_given .or. mesh%loss_factor > 0)
       call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with m = I_a I_b/(r_a^2 I_b + r_b^2 I_a)', least=zero), &
                      mesh%damping_ratio, by_ratio)
-      call v%on_real(row('damping', 'N s/m', 'damping coefficient, instead of damping_ratio', least=zero, &
+      call v%on_real(row('damping', 'N s/m', 'damping coefficient, in place of damping_ratio', least=zero, &
                          excludes='damping_ratio'), mesh%damping, mesh%damping_given)
       given = mesh%loss_factor > 0
-      call v%on_real(row('loss_factor', '', 'structural damping, instead of damping_ratio: damping k loss_factor/omega, omega the &
+      call v%on_real(row('loss_factor', '', 'structural damping, in place of damping_ratio: damping k loss_factor/omega, omega the &
                          &natural frequency of the mode in which the mesh has most strain energy', least=zero, most=2*one), &
                      mesh%loss_factor, given)
       word = trim(mesh%damping_acts)
-      call v%on_text(row('damping_acts', '', 'at all times, or in contact only: not while the teeth are apart', &
+      call v%on_text(row('damping_acts', '', 'always, or only in contact: no damping while the teeth are apart', &
                          choices='always contact'), word)
       mesh%damping_acts = word
-      call v%on_real(row('half_backlash', 'm', 'half of the backlash along the line of action in the transverse plane, b; 0: no &
-                         &backlash, a linear mesh, unless `backlash` is given', least=zero), mesh%half_backlash)
+      call v%on_real(row('half_backlash', 'm', 'half of the backlash along the line of action in the transverse plane, b; 0: &
+                         &linear mesh, unless `backlash` is given', least=zero), mesh%half_backlash)
       call v%on_list(row('stiffness_cos', '', 'cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness &
                          &over its mean'), mesh%stiffness_cos)
-      call v%on_list(row('stiffness_sin', '', 'sine amplitudes, likewise'), mesh%stiffness_sin)
-      call v%on_list(row('stiffness_table', 'N/m', 'stiffness at equidistant instants of one mesh cycle, 4 values or more, taken &
-                         &as a trigonometric polynomial: gives stiffness and its harmonics', above=zero), mesh%stiffness_table)
+      call v%on_list(row('stiffness_sin', '', 'sine amplitudes, harmonics 1, 2, ...'), mesh%stiffness_sin)
+      call v%on_list(row('stiffness_table', 'N/m', 'stiffness at 4 or more equidistant instants of a mesh cycle, joined by a &
+                         &trigonometric polynomial; gives the mean stiffness and kappa', above=zero), mesh%stiffness_table)
       own_back = mesh%back_stiffness > 0
-      call v%on_real(row('back_stiffness', 'N/m', 'mean stiffness of the back flanks, which touch at p < -half_backlash, where it &
-                         &is not that of the drive flanks', above=zero), mesh%back_stiffness, own_back)
-      call v%on_real(row('back_phase', 'rad', 'by which kappa of the back flanks lags that of the drive flanks, in the mesh &
+      call v%on_real(row('back_stiffness', 'N/m', 'mean stiffness of the back flanks, which touch at p < -half_backlash; default: &
+                         &as the drive flanks', above=zero), mesh%back_stiffness, own_back)
+      call v%on_real(row('back_phase', 'rad', 'lag of kappa of the back flanks behind kappa of the drive flanks, in the mesh &
                          &cycle'), mesh%back_phase)
       rectangular = mesh%contact_ratio > 0
-      call v%on_real(row('contact_ratio', '', 'gives kappa as the rectangular wave of as many tooth pairs in contact, instead of &
-                         &stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the beginning &
-                         &of the cycle for ratios of 1 to 2, 3 to 4, ..., at half the cycle for 2 to 3, 4 to 5, ...', above=one, &
+      call v%on_real(row('contact_ratio', '', 'gives kappa as the rectangular wave of the number of tooth pairs in contact, in &
+                         &place of stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the &
+                            beginning of the cycle if the integer part of the ratio is odd, else at half the cycle', above=one, &
                          most=10*one), mesh%contact_ratio, rectangular)
-      call v%on_integer(row('stiffness_harmonics', '', 'harmonics of the rectangular wave that are taken', least=one, &
+      call v%on_integer(row('stiffness_harmonics', '', 'number of harmonics taken of the rectangular wave', least=one, &
                             most=1000*one), mesh%stiffness_harmonics)
-      call v%on_real(row('phase', 'rad', 'by which kappa and the transmission error lag, in the mesh cycle'), mesh%phase)
+      call v%on_real(row('phase', 'rad', 'lag of kappa and of the transmission error, in the mesh cycle'), mesh%phase)
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
                          &the mesh displacement'), mesh%error_cos)
-      call v%on_list(row('error_sin', 'm', 'sine amplitudes, likewise'), mesh%error_sin)
-      call v%on_integer(row('order', '', 'mesh frequency as a multiple of the fundamental, m_n; 0: by the teeth where every mesh &
+      call v%on_list(row('error_sin', 'm', 'sine amplitudes, harmonics 1, 2, ...'), mesh%error_sin)
+      call v%on_integer(row('order', '', 'mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh &
                             &has them, else 1', least=one, most=most_order*one, automatic=zero), mesh%order)
       call v%leave()
    end subroutine visit_mesh
@@ -242,15 +244,15 @@ contains
       call v%on_list(row('profile_shift', '', 'profile shift coefficients, positive towards the tips; none: 0', least=-2*one, &
                          most=2*one, values=2), mesh%profile_shift)
       given = .not. abs(mesh%centre_distance) <= 0
-      call v%on_real(row('centre_distance', 'm', 'distance of the axes; else with the flanks touching without backlash', &
+      call v%on_real(row('centre_distance', 'm', 'centre distance; default: the flanks touch without backlash', &
                          above=zero), mesh%centre_distance, given)
-      call v%on_list(row('tip_diameter', 'm', 'tip diameters; else by the basic rack, shortened to keep its clearance', &
+      call v%on_list(row('tip_diameter', 'm', 'tip diameters; default: from the basic rack, shortened to keep its clearance', &
                          above=zero, values=2), mesh%tip_diameter)
-      call v%on_real(row('dedendum', '', 'dedendum of the basic rack, in modules', least=one, most=2*one), mesh%dedendum)
-      call v%on_real(row('backlash', 'm', 'circumferential backlash along the working pitch circles, in the transverse plane', &
+      call v%on_real(row('dedendum', '', 'dedendum of the basic rack over the module', least=one, most=2*one), mesh%dedendum)
+      call v%on_real(row('backlash', 'm', 'circumferential backlash at the working pitch circles, in the transverse plane', &
                          least=zero), mesh%backlash)
       call v%on_list(row('bore', 'm', 'bores of the gears, for their inertias; none: 0', least=zero, values=2), mesh%bore)
-      call v%on_real(row('density', 'kg/m^3', 'of the gears, for their inertias', above=zero), mesh%density)
+      call v%on_real(row('density', 'kg/m^3', 'density of the gears, for their inertias', above=zero), mesh%density)
       call v%on_list(row('elastic_modulus', 'N/m^2', 'moduli of elasticity of the gears; none: steel, 2.06e11', above=zero, &
                          values=2), mesh%elastic_modulus)
    end subroutine visit_drawing

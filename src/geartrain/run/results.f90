@@ -93,25 +93,24 @@ contains
 
       if (.not. fields%enter('/', '', .true.)) return
       number = format_version
-      call carry(fields, row('format_version', '', '', 'it rises when a name or a shape changes its meaning'), number)
+      call carry(fields, row('format_version', '', '', 'version of the format of the file'), number)
       title = version
       call carry_text(fields, row('program_version', '', '', 'version of geartrain that wrote the file'), title)
       title = ''
       if (allocated(case%train%title)) title = case%train%title
       call carry_text(fields, row('title', '', '', 'as in `&train`'), title)
       if (fields%way /= listing) call case_text(case, input)
-      call carry_text(fields, row('input', '', '', 'the case, all defaults included: written to a file it runs again'), input)
+      call carry_text(fields, row('input', '', '', 'text of the case with all defaults; it runs again as a case file'), input)
       call plain_train(case%train, plain)
       warnings = ''
       ! A list of all fields has no train.
       if (fields%way /= listing) call warnings_text(case%train, warnings)
-      if (fields%has('warnings', warnings /= '')) call carry_text(fields, row('warnings', '', '', 'what deserves a second look: &
-         &formulas of the drawing outside their range, modes of hardly any damping; a line each', &
-         only='where there are any', optional=.true.), warnings)
+      if (fields%has('warnings', warnings /= '')) call carry_text(fields, row('warnings', '', '', 'formulas of the drawing used &
+         &outside their range, and modes of little damping, a line each', only='where there are any', optional=.true.), warnings)
       value = plain%characteristic_length
-      call carry(fields, row('characteristic_length', '', '', 'm'), value)
+      call carry(fields, row('characteristic_length', '', '', 'unit of displacements [m]'), value)
       value = plain%characteristic_frequency
-      call carry(fields, row('characteristic_frequency', '', '', 'rad/s'), value)
+      call carry(fields, row('characteristic_frequency', '', '', 'unit of frequencies [rad/s]'), value)
    end subroutine visit_root
 
    !> Reads the groups of a results file.
@@ -266,7 +265,7 @@ contains
          if (.not. allocated(fields%groups(group)%fields(source)%reals)) return
          if (.not. factor > 0 .and. fields%way /= listing) return
          only = ''
-         if (unit == 'rpm') only = 'of a train whose meshes all have teeth'
+         if (unit == 'rpm') only = 'where every mesh has teeth'
          about = row(name, fields%groups(group)%fields(source)%about%dimensions, unit, description, only=only)
          values = factor*fields%groups(group)%fields(source)%reals
          extents = fields%groups(group)%fields(source)%extents

@@ -1,0 +1,33 @@
+"""The Python of the pages and of the ladder runs as it stands."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.mark.parametrize("page", ["python.md", "output.md"])
+def test_the_lines_of_a_page_run(page, executable, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "namelists").symlink_to(ROOT / "namelists")
+    if page == "output.md":
+        (tmp_path / "results").mkdir()
+        subprocess.run([executable, ROOT / "namelists" / "fig03.nml"], cwd="results", check=True, capture_output=True)
+    names = {"__name__": "page"}
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / page).read_text(encoding="utf-8"), re.DOTALL)
+    assert blocks
+    for block in blocks:
+        exec(compile(block, page, "exec"), names)
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("script", sorted((ROOT / "example" / "gallery").glob("plot_*.py")), ids=lambda script: script.stem)
+def test_a_step_of_the_ladder_runs_as_a_script(script, tmp_path, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "agg")
+    done = subprocess.run([sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
+    assert done.returncode == 0, done.stderr
+    assert not list(tmp_path.iterdir())
