@@ -60,7 +60,7 @@ def test_every_point_is_what_the_calls_give(whole):
 
 
 def test_everything_has_its_unit(whole, tmp_path):
-    assert whole.rms.attrs["units"] == "1" and "rms of Al-shyyab" in whole.rms.attrs["description"]
+    assert whole.rms.attrs["units"] == "1" and "rms of the paper" in whole.rms.attrs["description"]
     assert whole.input_torque.attrs == {
         "units": "N m", "description": "Mean torque on the driving end of a chain",
     }
