@@ -6,7 +6,7 @@
 module geartrain_continuation_critical_point
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_branch, only: branch_type, response_settings_type
-   use geartrain_continuation_corrector, only: solution_point_type
+   use geartrain_continuation_corrector, only: corrector_type, solution_point_type
    use geartrain_continuation_points, only: motion_of
    use geartrain_continuation_singular, only: singular_type
    use geartrain_continuation_singular_search, only: find_nearest
@@ -53,8 +53,6 @@ contains
       integer, intent(in), optional :: pattern
       !> Number of equal branches that begin to move differently; 0: none.
       integer, intent(out), optional :: equal
-      type(system_type), target :: own(2)
-      type(singular_type), allocatable :: matrix
       type(solution_point_type) :: one
       type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
@@ -84,12 +82,10 @@ contains
       ! The critical direction may have any symmetry: the point that is nearest to the special point has the right one.
       success = .false.
       group = 0
-      associate (at => branch%special_points(special)%frequency_ratio, kind => branch%special_points(special)%kind)
+      associate (at => branch%special_points(special)%frequency_ratio)
          do g = 0, groups
-            if (allocated(matrix)) deallocate (matrix)
-            allocate (matrix)
-            call matrix%setup(tracer%corrector, own, kind == 'period doubling', g)
-            call find_nearest(matrix, from, h, one, found, taken, again)
+            call find_in_group(tracer%corrector, branch%special_points(special)%kind == 'period doubling', g, from, h, one, &
+                               found, taken, again)
             if (.not. found) cycle
             if (success) then
                if (abs(one%frequency_ratio - at) > abs(solution%frequency_ratio - at) - together*abs(at)) cycle
@@ -110,6 +106,28 @@ contains
          if (present(equal)) equal = size(fixed%group(group)%unknown, 2)
       end associate
    end subroutine find_critical
+
+   !> Finds the nearest bifurcation point of one symmetry.
+   subroutine find_in_group(corrector, doubles, group, from, h, solution, success, taken, again)
+      !> Corrector of the branch.
+      type(corrector_type), intent(in) :: corrector
+      !> Searches for a period doubling, else for a branch point.
+      logical, intent(in) :: doubles
+      !> Number of the part of the fixed space whose symmetry ends there, 0: none.
+      integer, intent(in) :: group
+      !> As for `find_nearest`.
+      type(solution_point_type), intent(in) :: from
+      real(dp), intent(in) :: h
+      type(solution_point_type), intent(inout) :: solution
+      logical, intent(out) :: success
+      type(solution_point_type), intent(in), optional :: taken(:)
+      logical, intent(inout), optional :: again
+      type(system_type), target :: systems(2)
+      type(singular_type) :: matrix
+
+      call matrix%setup(corrector, systems, doubles, group)
+      call find_nearest(matrix, from, h, solution, success, taken, again)
+   end subroutine find_in_group
 
    !> Number of patterns in which equal branches begin to move differently, up to their renumbering.
    pure integer function patterns_of(equal, doubles)

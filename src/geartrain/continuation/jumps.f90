@@ -254,10 +254,15 @@ contains
    pure subroutine insert(jump, found)
       type(jump_type), intent(in) :: jump
       type(jump_type), allocatable, intent(inout) :: found(:)
+      type(jump_type) :: longer(size(found) + 1)
       integer :: n
 
+      ! Not by an array constructor: gfortran 12 does not free the allocatable components of its elements.
       n = count(found%frequency_ratio <= jump%frequency_ratio)
-      found = [found(:n), jump, found(n + 1:)]
+      longer(:n) = found(:n)
+      longer(n + 1) = jump
+      longer(n + 2:) = found(n + 1:)
+      found = longer
    end subroutine insert
 
 end module geartrain_continuation_jumps

@@ -27,8 +27,9 @@ module geartrain_continuation_singular
    integer, parameter :: most_explicit = 128
 
    type :: singular_type
-      !> Correctors of the branch and, for period doublings, of twice its period.
-      type(corrector_type) :: single, double
+      !> Correctors of the branch and, for period doublings, of twice its period. Of two components of one type gfortran 12 frees
+      !> only one, unless they are allocatable.
+      type(corrector_type), allocatable :: single, double
       !> The matrix is singular at period doublings, else at branch points.
       logical :: doubles = .false.
       !> Number of the part of the fixed space whose symmetry ends there (fixed_space_type); 0: equal branches go on as they move.
@@ -63,6 +64,7 @@ contains
 
       self%doubles = doubles
       if (present(group)) self%group = group
+      allocate (self%single, self%double)
       self%single%fixed = corrector%fixed
       associate (balance => corrector%balance)
          call plan(self%single, systems(1), 1, balance%repeats)

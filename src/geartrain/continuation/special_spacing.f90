@@ -5,7 +5,7 @@ module geartrain_continuation_special_spacing
    use geartrain_continuation_branch, only: arrange_points, branch_type, carried_by
    use geartrain_continuation_corrector, only: solution_point_type
    use geartrain_continuation_decided, only: joined
-   use geartrain_continuation_jumps, only: jumps
+   use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_continuation_points, only: motion_of
    use geartrain_continuation_start, only: solution_of
    use geartrain_continuation_step_geometry, only: arc_length, go_along
@@ -30,6 +30,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       real(dp), allocatable :: places(:)
       real(dp) :: length
+      type(jump_type), allocatable :: found(:)
       integer :: traced, i, k
 
       if (.not. tracer%recorder%stability .or. branch%cancelled) return
@@ -45,16 +46,16 @@ contains
       end do
       if (branch%points > traced) call sort_in(branch, traced)
       traced = branch%points
-      associate (found => jumps(branch))
-         do k = 1, size(found)
-            i = found(k)%point
-            if (i == 0) cycle
-            if (any(abs(branch%frequency_ratio(i:i + 1) - found(k)%frequency_ratio) <= 0)) cycle
-            length = branch%arclength(i + 1) - branch%arclength(i)
-            call add_point(tracer, branch, i, share_at(branch%frequency_ratio(i:i + 1), length*branch%free_slope(i:i + 1), &
-                                                       found(k)%frequency_ratio), found(k)%frequency_ratio)
-         end do
-      end associate
+      ! Not by associate: gfortran 12 does not free the result of a function there.
+      found = jumps(branch)
+      do k = 1, size(found)
+         i = found(k)%point
+         if (i == 0) cycle
+         if (any(abs(branch%frequency_ratio(i:i + 1) - found(k)%frequency_ratio) <= 0)) cycle
+         length = branch%arclength(i + 1) - branch%arclength(i)
+         call add_point(tracer, branch, i, share_at(branch%frequency_ratio(i:i + 1), length*branch%free_slope(i:i + 1), &
+                                                    found(k)%frequency_ratio), found(k)%frequency_ratio)
+      end do
       if (branch%points > traced) call sort_in(branch, traced)
    end subroutine add_points_between
 
