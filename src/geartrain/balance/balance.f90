@@ -32,6 +32,7 @@ module geartrain_balance_balance
    contains
       procedure :: setup
       procedure :: evaluate
+      procedure :: take
       procedure :: jacobian
       procedure :: apply
       procedure :: full_coefficients
@@ -116,14 +117,24 @@ contains
    subroutine go_to(self, s)
       class(balance_type), intent(inout) :: self
       real(dp), intent(in) :: s
+
+      call self%path%system_at(s, self%system)
+      call self%take(self%system)
+   end subroutine go_to
+
+   !> Goes on with another train of the same unknowns.
+   subroutine take(self, system)
+      class(balance_type), intent(inout) :: self
+      !> The train.
+      type(system_type), pointer, intent(in) :: system
       integer :: i
 
       self%varies = .true.
-      call self%path%system_at(s, self%system)
+      self%system => system
       do i = 1, self%unknowns
-         call self%contact(i)%setup(self%system%law(self%mesh(i)), self%eta, self%harmonic, 2*self%highest, self%samples)
+         call self%contact(i)%setup(system%law(self%mesh(i)), self%eta, self%harmonic, 2*self%highest, self%samples)
       end do
-   end subroutine go_to
+   end subroutine take
 
    !> Forces, residual and dS/dLambda of the present train.
    subroutine evaluate_at(self, u, frequency_ratio)

@@ -19,7 +19,7 @@ module geartrain_balance_bordered_system
    real(dp), parameter :: tolerance = 1e-10_dp
    integer, parameter :: most_iterations = 40, most_iterations_in_time = 100, most_iterations_in_contact = 200
    !> Least residual with the linearised train in time as preconditioner: a tangent need not be more exact.
-   real(dp), parameter :: tolerance_in_time = 1e-4_dp
+   real(dp), parameter :: tolerance_in_time = 1e-3_dp
 
    type :: bordered_system_type
       !> Border column and row, (block, unknown), and their corner: the caller sets row and corner between `linearize` and

@@ -8,22 +8,43 @@ module geartrain_balance_shaft_torque
    use geartrain_model_receptance, only: amplitude_at, linear_displacements
    implicit none (type, external)
    private
-   public :: find_shaft_torques
+   public :: find_shaft_torques, shaft_coefficients
 
 contains
 
    !> Finds mean, minimum and maximum of the torque of each shaft [N m], (shaft); NaN where nothing determines the torque.
-   subroutine find_shaft_torques(balance, frequency_ratio, transform, mean, minimum, maximum)
+   subroutine find_shaft_torques(balance, transform, mean, minimum, maximum)
       !> The balance, last evaluated at the motion.
       type(balance_type), intent(in) :: balance
-      !> Lambda [1].
-      real(dp), intent(in) :: frequency_ratio
       !> Planned for `fine_samples` of the harmonics of the balance, planned anew where it carries a set of harmonics; its samples
       !> are overwritten.
       type(transform_type), intent(inout) :: transform
       !> Torques [N m], positive where the first body of the shaft drives the second.
       real(dp), intent(out) :: mean(:), minimum(:), maximum(:)
-      real(dp) :: coefficients(1 + 2*size(balance%harmonic), size(mean)), force(balance%system%elements)
+      real(dp) :: coefficients(balance%block, size(mean))
+      integer :: s
+
+      call shaft_coefficients(balance, coefficients)
+      mean = coefficients(1, :)
+      do s = 1, size(mean)
+         if (balance%system%torque_paths%known(s)) then
+            if (balance%chosen) call transform%plan(fine_samples(own_resolution(coefficients(:, s), balance%harmonic)))
+            call extremes(coefficients(:, s), balance%harmonic, transform, minimum(s), maximum(s))
+         else
+            mean(s) = ieee_value(mean(s), ieee_quiet_nan)
+            minimum(s) = mean(s)
+            maximum(s) = mean(s)
+         end if
+      end do
+   end subroutine find_shaft_torques
+
+   !> Finds mean, cos and sin of each carried harmonic of the torque of each shaft [N m], (block, shaft).
+   pure subroutine shaft_coefficients(balance, coefficients)
+      !> The balance, last evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> The coefficients.
+      real(dp), intent(out) :: coefficients(:, :)
+      real(dp) :: force(balance%system%elements)
       complex(dp) :: amplitude(balance%system%elements), total
       integer :: i, k, n, s
 
@@ -36,19 +57,18 @@ contains
          end do
          force(system%cut%element) = balance%force(1, :)
          do s = 1, paths%shafts
-            mean(s) = paths%constant(s)
+            coefficients(1, s) = paths%constant(s)
             do i = paths%first(s), paths%first(s + 1) - 1
                n = paths%element(i)
-               mean(s) = mean(s) + paths%gain(i)*system%stiffness(n)*system%characteristic_length*force(n)
+               coefficients(1, s) = coefficients(1, s) + paths%gain(i)*system%stiffness(n)*system%characteristic_length*force(n)
             end do
          end do
-         coefficients = 0
          do k = 1, size(balance%harmonic)
             associate (r => balance%harmonic(k))
                amplitude = 0
-               call linear_displacements(system, frequency_ratio, r, balance%eta, &
+               call linear_displacements(system, balance%frequency_ratio, r, balance%eta, &
                                          cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitude)
-               amplitude = cmplx(system%spring, r*frequency_ratio/balance%eta*system%damping, dp)*amplitude
+               amplitude = cmplx(system%spring, r*balance%frequency_ratio/balance%eta*system%damping, dp)*amplitude
                amplitude(system%cut%element) = cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp)
                do s = 1, paths%shafts
                   total = 0
@@ -63,18 +83,7 @@ contains
                end do
             end associate
          end do
-         do s = 1, paths%shafts
-            if (paths%known(s)) then
-               coefficients(1, s) = mean(s)
-               if (balance%chosen) call transform%plan(fine_samples(own_resolution(coefficients(:, s), balance%harmonic)))
-               call extremes(coefficients(:, s), balance%harmonic, transform, minimum(s), maximum(s))
-            else
-               mean(s) = ieee_value(mean(s), ieee_quiet_nan)
-               minimum(s) = mean(s)
-               maximum(s) = mean(s)
-            end if
-         end do
       end associate
-   end subroutine find_shaft_torques
+   end subroutine shaft_coefficients
 
 end module geartrain_balance_shaft_torque

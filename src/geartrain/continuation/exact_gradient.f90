@@ -12,9 +12,8 @@ module geartrain_continuation_exact_gradient
    use geartrain_flow_sections, only: sections_type
    use geartrain_linalg_differences, only: differences_type
    use geartrain_model_divide_orders, only: divide_orders
-   use geartrain_model_gradient, only: gradient_type, parameters_type
+   use geartrain_model_gradient, only: gradient_type, parameters_type, sides_type
    use geartrain_model_system, only: system_type
-   use geartrain_model_system_rate, only: system_rate_type
    use geartrain_model_train, only: train_type
    use geartrain_model_units, only: units_of
    implicit none (type, external)
@@ -48,7 +47,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(exact_point_type) :: exact
       type(augmented_point_type) :: point
-      type(system_rate_type) :: rate
+      type(sides_type) :: sides
       type(differences_type) :: across
       real(dp) :: h, change(2)
       integer :: n, side, tenths, times
@@ -64,7 +63,7 @@ contains
       end if
       call begin_point()
       do n = 1, size(gradient%reason)
-         call given%rate_of(n, rate, gradient%reason(n))
+         call given%find_sides(n, relative, sides, gradient%reason(n))
          if (gradient%reason(n) /= '') cycle
          h = merge(relative*given%value_of(n), 1.0_dp, given%value_of(n) > 0)
          do tenths = 1, most_tenths

@@ -6,18 +6,22 @@ module geartrain_continuation_linearized_motion
    use geartrain_balance_repetition, only: repetitions_of
    use geartrain_base_kinds, only: dp
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_model_units, only: units_of
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: evaluate, fine_samples, next_maximum, sample
+   use geartrain_model_gradient, only: sides_type
    use geartrain_model_system, only: system_type
+   use geartrain_model_units, only: units_of
    implicit none (type, external)
    private
-   public :: add_tangent, factor, grazes, prepare, solution_on
+   public :: factor, grazes, prepare, prepare_balance, residual_rate, solution_on, step_of_residual
 
    !> Carried harmonics up to which the matrix is eliminated as a whole.
    integer, parameter :: most_explicit = 128
    !> Distance of an extreme from a wall, relative to the amplitude, below which the motion grazes.
    real(dp), parameter :: at_wall = 1e-7_dp
+   !> Change of a parameter over its value for differences of a residual: a longer one may meet other contact events, the error by
+   !> rounding is 1e-11.
+   real(dp), parameter :: step_of_residual = 3e-5_dp
 
 contains
 
@@ -29,22 +33,34 @@ contains
       type(system_type), pointer, intent(in) :: system
       !> A periodic motion with its coefficients.
       type(motion_type), intent(in) :: motion
+
+      corrector%units = units_of(system)
+      call prepare_balance(corrector%balance, system, motion)
+      call corrector%setup()
+   end subroutine prepare
+
+   !> Plans a balance with the harmonics of a motion.
+   subroutine prepare_balance(balance, system, motion)
+      !> The balance.
+      type(balance_type), intent(inout) :: balance
+      !> The train.
+      type(system_type), pointer, intent(in) :: system
+      !> A periodic motion with its coefficients.
+      type(motion_type), intent(in) :: motion
       integer, allocatable :: carried(:)
       integer :: k, highest, repeats
 
       highest = max(1, (size(motion%coefficients, 1) - 1)/2)
       carried = pack([(k, k=1, highest)], [(any(abs(motion%coefficients(2*k:2*k + 1, :)) > 0), k=1, highest)])
-      corrector%units = units_of(system)
       repeats = repetitions_of(system, motion)
       ! Of many harmonics only those that the motion has: the rest of a set is not carried.
       if (size(carried) > 0 .and. motion%period == 1 .and. repeats == system%excitation_order .and. &
           size(needed_harmonics(system, highest)) > most_explicit) then
-         call corrector%balance%setup(system, highest, motion%period, 0, carried, repeats)
+         call balance%setup(system, highest, motion%period, 0, carried, repeats)
       else
-         call corrector%balance%setup(system, highest, motion%period, 0, repeats=repeats)
+         call balance%setup(system, highest, motion%period, 0, repeats=repeats)
       end if
-      call corrector%setup()
-   end subroutine prepare
+   end subroutine prepare_balance
 
    !> A motion as a guess of a solution on the harmonics of a balance.
    function solution_on(balance, motion) result(solution)
@@ -89,26 +105,27 @@ contains
       end associate
    end subroutine factor
 
-   !> Adds (d phi/du) x.
-   subroutine add_tangent(balance, x, force)
-      !> The balance, evaluated at the motion.
+   !> Derivative of the residual with respect to a parameter, at constant coefficients and Lambda.
+   subroutine residual_rate(balance, sides, solution, s)
+      !> A balance after `prepare_balance`; afterwards of another train.
       type(balance_type), intent(inout) :: balance
-      !> Change of the coefficients [1], (block, unknown).
-      real(dp), intent(in) :: x(:, :)
-      !> Is added to, (block, unknown).
-      real(dp), intent(inout) :: force(:, :)
-      real(dp) :: f(balance%block)
+      !> The trains beside the train, with a step of `step_of_residual`.
+      type(sides_type), target, intent(in) :: sides
+      !> Where.
+      type(solution_point_type), intent(in) :: solution
+      !> The derivative [1/unit of the parameter], (block, unknown).
+      real(dp), intent(out) :: s(:, :)
+      type(system_type), pointer :: side
       integer :: i
 
-      do i = 1, balance%unknowns
-         if (balance%is_direct()) then
-            f = matmul(balance%tangent(:, :, i), x(:, i))
-         else
-            call balance%tangent_product(i, x(:, i), f)
-         end if
-         force(:, i) = force(:, i) + f
+      s = 0
+      do i = 1, size(sides%system)
+         side => sides%system(i)
+         call balance%take(side)
+         call balance%evaluate(solution%u, solution%frequency_ratio)
+         s = s + sides%weight(i)*balance%residual
       end do
-   end subroutine add_tangent
+   end subroutine residual_rate
 
    !> Whether an extreme of a displacement lies on a wall.
    logical function grazes(balance, u)

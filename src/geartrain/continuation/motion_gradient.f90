@@ -1,20 +1,20 @@
 !> Derivatives of figures of a motion with respect to parameters of the train, by the implicit function theorem: the residual
-!> S(u, Lambda, parameter) is 0, so du = -(dS/du)^-1 dS. One factorization serves all parameters.
+!> S(u, Lambda, parameter) is 0, so du = -(dS/du)^-1 dS. One factorization serves all parameters; dS, and the figures along du, are
+!> differences of trains beside the train.
 module geartrain_continuation_motion_gradient
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_balance_balance, only: balance_type
-   use geartrain_balance_balance_rate, only: balance_rate_type
    use geartrain_balance_figure_rates, only: figure_names, figures_type
-   use geartrain_balance_force_rates, only: force_rates
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_series, only: series_type
    use geartrain_continuation_corrector, only: corrector_type, solution_point_type
-   use geartrain_continuation_linearized_motion, only: add_tangent, factor, grazes, prepare, solution_on
-   use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type, reason_length
-   use geartrain_model_system_rate, only: system_rate_type
+   use geartrain_continuation_linearized_motion, only: factor, grazes, prepare, prepare_balance, residual_rate, solution_on, &
+      step_of_residual
+   use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type, reason_length, sides_type
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -42,11 +42,12 @@ contains
       type(parameters_type), target :: given
       type(corrector_type) :: corrector
       type(solution_point_type) :: solution
-      type(balance_rate_type) :: parts
+      type(balance_type) :: beside
       type(figures_type) :: figures
-      type(system_rate_type) :: rate
+      type(sides_type), target :: sides
+      type(system_type), pointer :: side
       character(reason_length) :: reason
-      real(dp), allocatable :: s(:, :), force(:, :)
+      real(dp), allocatable :: s(:, :), u(:, :)
       real(dp) :: y
       integer :: i, n
 
@@ -69,24 +70,31 @@ contains
       call settle(corrector, solution, reason)
       gradient%reason = reason
       if (reason /= '') return
-      allocate (s, force, mold=solution%u)
+      allocate (s, u, mold=solution%u)
+      side => given%system
+      call prepare_balance(beside, side, motion)
       associate (balance => corrector%balance)
-         call parts%setup(balance, balance%force, excited=.true.)
          call figures%setup(balance, solution%u, figure)
          do n = 1, size(names)
             if (given%system%interrupt%raised()) return
-            call given%rate_of(n, rate, gradient%reason(n))
+            call given%find_sides(n, step_of_residual, sides, gradient%reason(n))
             if (gradient%reason(n) /= '') cycle
-            if (excites_others(rate, balance)) &
+            if (excites_others(sides%system(1), balance)) &
                gradient%reason(n) = 'it is 0, and its order is not among the harmonics of the motion'
             if (gradient%reason(n) /= '') cycle
-            call force_rates(balance, rate, solution%u, force)
-            call parts%residual(balance, rate, solution%u, force, s)
+            call residual_rate(beside, sides, solution, s)
             s = -s
             y = 0
             call corrector%matrix%solve(balance, s, y)
-            call add_tangent(balance, s, force)
-            call figures%rates(balance, parts, rate, s, force, gradient%values(:, n))
+            call figures%begin()
+            do i = 1, size(sides%system)
+               side => sides%system(i)
+               call beside%take(side)
+               u = solution%u + sides%change(i)*s
+               call beside%evaluate(u, solution%frequency_ratio)
+               call figures%add(beside, u, sides%weight(i))
+            end do
+            call figures%rates(balance, gradient%values(:, n))
             do i = 1, size(gradient%values, 1)
                if (ieee_is_nan(gradient%values(i, n)) .and. figures%is_told(balance, i)) &
                   gradient%reason(n) = 'two extremes are equal, and their derivatives are not'
@@ -126,20 +134,19 @@ contains
       if (grazes(corrector%balance, solution%u)) reason = 'the motion grazes the edge of a gap'
    end subroutine settle
 
-   !> Whether a parameter that is 0 excites harmonics that the balance could carry and does not.
-   pure logical function excites_others(rate, balance)
-      type(system_rate_type), intent(in) :: rate
+   !> Whether a train with a little of a parameter has excitation at harmonics that the balance could carry and does not.
+   pure logical function excites_others(side, balance)
+      type(system_type), intent(in) :: side
       type(balance_type), intent(in) :: balance
       integer :: j
 
       excites_others = .false.
-      do j = 1, size(rate%torque)
-         excites_others = excites_others .or. excites(rate%torque(j), balance%system%torque(j))
+      do j = 1, size(side%torque)
+         excites_others = excites_others .or. excites(side%torque(j), balance%system%torque(j))
       end do
       do j = 1, balance%system%meshes
-         excites_others = excites_others .or. excites(rate%transmission_error(j), balance%system%transmission_error(j))
-         if (rate%law_changes(j)) &
-            excites_others = excites_others .or. excites(rate%law(j)%variation(), balance%system%law(j)%variation())
+         excites_others = excites_others .or. excites(side%transmission_error(j), balance%system%transmission_error(j)) .or. &
+                          excites(side%law(j)%variation(), balance%system%law(j)%variation())
       end do
 
    contains

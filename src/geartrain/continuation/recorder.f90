@@ -152,7 +152,7 @@ contains
             call balance%contact(j)%shares(load%separation, load%back_contact)
          end associate
       end do
-      if (self%shaft_torque) call find_shaft_torques(balance, balance%frequency_ratio, self%transform, &
+      if (self%shaft_torque) call find_shaft_torques(balance, self%transform, &
                                                      branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
                                                      branch%shaft_torque_maximum(:, n))
       if (self%stability) then

@@ -7,8 +7,7 @@
 !> f changes by f_q along (du, dLambda, dq) and by f_t along the tangent: dLambda - t_Lambda f_q/f_t belongs to the crossing.
 !> f_q and f_t are differences. A refined branch lists special points of the exact motion (exact_gradient.f90).
 module geartrain_continuation_special_gradient
-   use geartrain_balance_balance_rate, only: balance_rate_type
-   use geartrain_balance_force_rates, only: force_rates
+   use geartrain_balance_balance, only: balance_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
@@ -16,12 +15,11 @@ module geartrain_continuation_special_gradient
    use geartrain_continuation_crossing_multiplier, only: crossing_multiplier_type
    use geartrain_continuation_exact_gradient, only: exact_gradient
    use geartrain_continuation_exact_point, only: check_whole_period
-   use geartrain_continuation_linearized_motion, only: factor, grazes
+   use geartrain_continuation_linearized_motion, only: factor, grazes, residual_rate, step_of_residual
    use geartrain_continuation_listed_point, only: listed_point_type
    use geartrain_linalg_differences, only: differences_type
-   use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type, reason_length
+   use geartrain_model_gradient, only: begin_gradient, gradient_type, parameters_type, reason_length, sides_type
    use geartrain_model_system, only: system_type
-   use geartrain_model_system_rate, only: system_rate_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -96,9 +94,9 @@ contains
       !> The point is a fold; it is a period doubling.
       logical, intent(in) :: folds, doubles
       type(gradient_type), intent(inout) :: gradient
-      real(dp), dimension(listed%corrector%balance%block, listed%corrector%balance%unknowns) :: row, s, force
-      type(balance_rate_type) :: parts
-      type(system_rate_type) :: rate
+      real(dp), dimension(listed%corrector%balance%block, listed%corrector%balance%unknowns) :: row, s
+      type(balance_type) :: beside
+      type(sides_type) :: sides
       type(differences_type) :: along, across
       real(dp) :: corner, y
       integer :: n
@@ -118,12 +116,13 @@ contains
             if (.not. along%error < unsettled*abs(along%value)) gradient%reason = abrupt
             if (.not. along%error < unsettled*abs(along%value)) return
          end if
-         call parts%setup(corrector%balance, corrector%balance%force, excited=.true.)
+         associate (system => given%system)
+            call listed%plan%apply(system, beside)
+         end associate
          do n = 1, size(gradient%reason)
-            call given%rate_of(n, rate, gradient%reason(n))
+            call given%find_sides(n, step_of_residual, sides, gradient%reason(n))
             if (gradient%reason(n) /= '') cycle
-            call force_rates(corrector%balance, rate, solution%u, force)
-            call parts%residual(corrector%balance, rate, solution%u, force, s)
+            call residual_rate(beside, sides, solution, s)
             s = -s
             y = 0
             call corrector%matrix%solve(corrector%balance, s, y)

@@ -7,20 +7,20 @@ module geartrain_model_gradient
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_modal_damping, only: resolve_damping
    use geartrain_model_mode_rates, only: mode_shapes_type
+   use geartrain_model_network, only: locks
    use geartrain_model_parameter, only: find_parameters, variation
+   use geartrain_model_parameter_effect, only: has_effect
    use geartrain_model_parameter_table, only: add_to_parameter, parameter_type, table_type
    use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_system_rate, only: find_system_rate, system_rate_type
    use geartrain_model_train, only: train_type
-   use geartrain_model_train_rate, only: find_train_rate, has_effect
    implicit none (type, external)
    private
-   public :: gradient_type, parameters_type, begin_gradient, check_parameters, frequency_gradient, reason_length
+   public :: gradient_type, parameters_type, sides_type, begin_gradient, check_parameters, frequency_gradient, reason_length
 
    integer, parameter :: reason_length = 120
-   !> Variables that make a train of another kind where they are 0.
-   character(*), parameter :: structural = ' half_backlash backlash damping_to_ground damping damping_ratio stiffness_cos &
-      &stiffness_sin '
+   !> Change of a parameter over its value for differences of natural frequencies: an error of its fourth power, and rounding over
+   !> it.
+   real(dp), parameter :: step_of_modes = 5e-4_dp
 
    type :: gradient_type
       !> Derivatives [unit of the figure/unit of the parameter], (mesh, shaft or mode, parameter); NaN where there is none.
@@ -36,20 +36,28 @@ module geartrain_model_gradient
       type(parameter_type), allocatable :: parameter(:)
    end type named_type
 
+   !> Trains beside a train, with other values of a parameter, in the same units, with the same unknowns and order of elements. The
+   !> derivative of what a train has is the sum of weight(i) times what system(i) has.
+   type :: sides_type
+      !> The trains; what is added to the parameter [its unit]; weights [1/its unit].
+      type(system_type), allocatable :: system(:)
+      real(dp), allocatable :: change(:), weight(:)
+   end type sides_type
+
    !> A train and parameters of it by their names.
    type :: parameters_type
-      !> The train; its plain train; the plain train with 0 for all numbers; derivatives of its numbers.
+      !> The train; its plain train.
       type(train_type) :: train
-      type(train_type), private :: plain, zero, rate
+      type(train_type), private :: plain
       type(system_type) :: system
       type(named_type), allocatable :: named(:)
    contains
       procedure :: setup
-      procedure :: rate_of
+      procedure :: find_sides
+      procedure, private :: build_sides
       procedure :: changed_system
       procedure :: allows
       procedure :: value_of
-      procedure, private :: clear
    end type parameters_type
 
 contains
@@ -77,7 +85,7 @@ contains
       type(error_type), allocatable, intent(out) :: error
       type(parameters_type) :: given
       type(mode_shapes_type) :: shapes
-      type(system_rate_type) :: rate
+      type(sides_type) :: sides
       integer :: info, n
 
       call given%setup(train, names, error)
@@ -87,9 +95,9 @@ contains
       if (info /= 0) call fatal(error, 'gradient: LAPACK did not converge', status_ended_early)
       if (info /= 0) return
       do n = 1, size(names)
-         call given%rate_of(n, rate, gradient%reason(n))
+         call given%find_sides(n, step_of_modes, sides, gradient%reason(n))
          if (gradient%reason(n) /= '') cycle
-         call shapes%rates(given%system, rate, gradient%values(:, n))
+         call shapes%rates(given%system, sides%system, sides%weight, gradient%values(:, n))
          if (any(ieee_is_nan(gradient%values(:, n)))) &
             gradient%reason(n) = 'natural frequencies that are equal and part'
       end do
@@ -138,49 +146,77 @@ contains
       if (allocated(error)) return
       call reduce_light_loads(self%plain)
       call resolve_damping(self%plain)
-      self%zero = self%plain
-      derived%number = 0
-      call derived%give(self%zero)
-      self%rate = self%zero
       call build_system(train, self%system)
    end subroutine setup
 
-   !> Derivatives of the system with respect to a parameter.
-   subroutine rate_of(self, n, rate, reason)
-      class(parameters_type), intent(inout) :: self
+   !> Finds the trains beside the train, with a little more and a little less of a parameter.
+   subroutine find_sides(self, n, step, sides, reason)
+      class(parameters_type), intent(in) :: self
       !> Number of the parameter.
       integer, intent(in) :: n
-      !> The derivatives, where there are any; of the same system from call to call.
-      type(system_rate_type), intent(inout) :: rate
-      !> Why there are none; blank where there are.
+      !> Change of the parameter over its value [1]; of a parameter that is 0 over a hundredth of its unit, or of b_c for a length.
+      real(dp), intent(in) :: step
+      !> The trains, where there is a derivative: it is the sum of weight(i) times what sides%system(i) has.
+      type(sides_type), intent(out) :: sides
+      !> Why there is no derivative; blank where there is one.
       character(*), intent(out) :: reason
-      logical :: differentiable
+      real(dp) :: h
+      logical :: fits
+
+      h = step*self%value_of(n)
+      if (.not. h > 0) h = step*merge(self%plain%characteristic_length, 1.0_dp, self%named(n)%parameter(1)%unit == 'm')/100
+      ! Of fourth order in h, at an end of the range of the parameter to one side.
+      sides%change = h*[-2, -1, 1, 2]
+      sides%weight = [1, -8, 8, -1]/(12*h)
+      call self%build_sides(n, sides, fits, reason)
+      if (fits) return
+      sides%change = h*[0, 1, 2, 3, 4]
+      sides%weight = [-25, 48, -36, 16, -3]/(12*h)
+      call self%build_sides(n, sides, fits, reason)
+      if (fits) return
+      sides%change = -sides%change
+      sides%weight = -sides%weight
+      call self%build_sides(n, sides, fits, reason)
+      if (.not. fits) reason = 'no train has a value next to it'
+   end subroutine find_sides
+
+   !> Builds the trains beside the train.
+   subroutine build_sides(self, n, sides, fits, reason)
+      class(parameters_type), intent(in) :: self
+      !> Number of the parameter.
+      integer, intent(in) :: n
+      !> Gets the trains for its changes.
+      type(sides_type), intent(inout) :: sides
+      !> All changes are allowed.
+      logical, intent(out) :: fits
+      !> Why there is no derivative; blank where there is one.
+      character(*), intent(out) :: reason
       integer :: i
 
+      if (allocated(sides%system)) deallocate (sides%system)
+      allocate (sides%system(size(sides%change)))
       reason = ''
-      do i = 1, size(self%named(n)%parameter)
-         associate (parameter => self%named(n)%parameter(i))
-            if (.not. abs(parameter%value) > 0 .and. index(structural, ' '//trim(parameter%variable)//' ') > 0) then
-               if (changes_kind(self%train, parameter, self%system)) &
-                  reason = 'it is 0, and with another value the train is of another kind'
+      do i = 1, size(sides%change)
+         call self%changed_system(n, sides%change(i), sides%system(i), fits)
+         if (.not. fits) return
+         associate (side => sides%system(i))
+            if (locks(side%network)) then
+               reason = 'the gears of a loop would lock'
+            else if (.not. is_of_kind(side, self%system)) then
+               reason = 'the drawing gives another train with a value next to it'
+               if (.not. self%value_of(n) > 0) reason = 'it is 0, and with another value the train is of another kind'
+            else if (.not. has_lists_of(side, sides%system(1)) .and. .not. has_lists_of(side, self%system)) then
+               reason = 'the drawing gives another train with a value next to it'
             end if
-            if (reason /= '') exit
-            call find_train_rate(self%train, self%plain, parameter, self%rate, differentiable)
-            if (.not. differentiable) reason = 'the drawing gives another train with a value next to it'
-            if (reason /= '') exit
          end associate
+         if (reason /= '') return
       end do
-      if (reason == '') then
-         call find_system_rate(self%plain, self%rate, self%system, rate)
-         if (rate%network%locks) reason = 'the gears of a loop would lock'
-      end if
-      call self%clear(n)
-   end subroutine rate_of
+   end subroutine build_sides
 
    !> The system of the train with a changed value of a parameter, in the same units and with the same unknowns.
    subroutine changed_system(self, n, change, system, allowed)
       class(parameters_type), intent(in) :: self
-      !> Number of a parameter for which `rate_of` has no reason against derivatives.
+      !> Number of the parameter.
       integer, intent(in) :: n
       !> What is added to the value [unit of the parameter].
       real(dp), intent(in) :: change
@@ -224,14 +260,15 @@ contains
       end associate
       train%characteristic_length = self%plain%characteristic_length
       train%characteristic_frequency = self%plain%characteristic_frequency
-      call build_system(train, system, unknown=self%system%network%elements(self%system%mesh_element)%unknown)
-      allowed = system%states == self%system%states
+      associate (network => self%system%network)
+         call build_system(train, system, unknown=network%elements(self%system%mesh_element)%unknown, order=network%order)
+      end associate
    end subroutine changed_system
 
    !> Whether a changed value of a parameter is in the range of its variable.
    logical function allows(self, n, change)
       class(parameters_type), intent(in) :: self
-      !> Number of a parameter for which `rate_of` has no reason against derivatives.
+      !> Number of the parameter.
       integer, intent(in) :: n
       !> What is added to the value [unit of the parameter].
       real(dp), intent(in) :: change
@@ -249,43 +286,27 @@ contains
       value_of = maxval(abs(self%named(n)%parameter%value))
    end function value_of
 
-   !> Sets the derivatives of the numbers of the train to 0 again. A copy of the whole would cost as much as the derivatives.
-   subroutine clear(self, n)
-      class(parameters_type), intent(inout) :: self
-      !> Number of the parameter.
-      integer, intent(in) :: n
-      integer :: i
-
-      associate (parameter => self%named(n)%parameter)
-         if (.not. all(parameter%direct .and. (parameter%group == 'shaft' .or. parameter%group == 'mesh'))) then
-            self%rate = self%zero
-            return
-         end if
-         do i = 1, size(parameter)
-            associate (place => parameter(i)%index)
-               if (parameter(i)%group == 'shaft') self%rate%shafts(place) = self%zero%shafts(place)
-               if (parameter(i)%group == 'mesh') self%rate%meshes(place) = self%zero%meshes(place)
-            end associate
-         end do
-      end associate
-   end subroutine clear
-
-   !> Whether a train has other unknowns, elements or laws where a parameter is not 0.
-   logical function changes_kind(train, parameter, system)
-      type(train_type), intent(in) :: train
-      type(parameter_type), intent(in) :: parameter
-      type(system_type), intent(in) :: system
-      type(train_type) :: changed
-      type(system_type) :: other
+   !> Whether a train has the unknowns, elements and laws of another.
+   pure logical function is_of_kind(system, other)
+      !> The trains.
+      type(system_type), intent(in) :: system, other
       integer :: j
 
-      changed = train
-      call add_to_parameter(changed, parameter, 1e-6_dp)
-      call build_system(changed, other)
-      changes_kind = system%cut%unknowns /= other%cut%unknowns .or. system%elements /= other%elements
-      if (changes_kind) return
-      changes_kind = any([(size(system%law(j)%wall) /= size(other%law(j)%wall) .or. &
-                           (system%law(j)%jumps .neqv. other%law(j)%jumps), j=1, system%meshes)])
-   end function changes_kind
+      is_of_kind = system%cut%unknowns == other%cut%unknowns .and. system%elements == other%elements
+      if (is_of_kind) is_of_kind = all([(size(system%law(j)%wall) == size(other%law(j)%wall) .and. &
+                                         (system%law(j)%jumps .eqv. other%law(j)%jumps), j=1, system%meshes)])
+   end function is_of_kind
+
+   !> Whether the excitations of a train have as many harmonics as those of another.
+   pure logical function has_lists_of(system, other)
+      !> The trains.
+      type(system_type), intent(in) :: system, other
+      integer :: j
+
+      has_lists_of = all([(size(system%torque(j)%harmonic) == size(other%torque(j)%harmonic), j=1, size(system%torque)), &
+                          (size(system%law(j)%harmonic) == size(other%law(j)%harmonic) .and. &
+                           size(system%transmission_error(j)%harmonic) == size(other%transmission_error(j)%harmonic), &
+                           j=1, system%meshes)])
+   end function has_lists_of
 
 end module geartrain_model_gradient

@@ -6,7 +6,6 @@ module geartrain_model_mode_rates
    use geartrain_model_modes, only: stiffness_at_rest
    use geartrain_model_spectrum, only: eigenvalues_of
    use geartrain_model_system, only: system_type
-   use geartrain_model_system_rate, only: system_rate_type
    implicit none (type, external)
    private
    public :: mode_shapes_type
@@ -17,10 +16,8 @@ module geartrain_model_mode_rates
    type :: mode_shapes_type
       !> Natural frequencies over omega_c [1], ascending, (mode).
       real(dp), allocatable :: frequency(:)
-      !> Stiffness of each element at rest over its mean stiffness [1], (element).
-      real(dp), allocatable, private :: factor(:)
-      !> Displacement of each element, (element, mode), and reduced displacement of each node, (node, mode) [1/sqrt(kg)].
-      real(dp), allocatable, private :: p(:, :), x(:, :)
+      !> Displacement of each element [m/sqrt(kg m^2)], (element, mode), and rotation of each node [rad/sqrt(kg m^2)], (node, mode).
+      real(dp), allocatable, private :: p(:, :), theta(:, :)
    contains
       procedure :: setup
       procedure :: rates
@@ -35,56 +32,58 @@ contains
       type(system_type), intent(in) :: system
       !> 0: LAPACK converged.
       integer, intent(out) :: info
-      real(dp) :: root(system%elements), pull
+      real(dp) :: root(system%elements), omega
       integer :: i, n
 
       allocate (self%frequency(system%displacements), self%p(system%elements, system%displacements))
-      allocate (self%x(size(system%network%inertia), system%displacements), source=0.0_dp)
-      self%factor = stiffness_at_rest(system)
-      call eigenvalues_of(system, self%factor, self%frequency, info, self%p)
+      allocate (self%theta(size(system%network%inertia), system%displacements), source=0.0_dp)
+      root = sqrt(system%stiffness*stiffness_at_rest(system))
+      call eigenvalues_of(system, stiffness_at_rest(system), self%frequency, info, self%p)
       if (info /= 0) return
       self%frequency = sqrt(max(self%frequency, 0.0_dp))
-      root = sqrt(system%stiffness*self%factor)
-      associate (network => system%network, omega => self%frequency*system%characteristic_frequency)
-         do i = 1, size(omega)
+      associate (network => system%network)
+         do i = 1, size(self%frequency)
+            ! The eigenvector is root*p/omega, and I theta = B^T root*eigenvector/omega.
+            omega = self%frequency(i)*system%characteristic_frequency
             do n = 1, system%elements
-               if (network%elements(n)%grounded) cycle
-               ! The eigenvector is root*p/omega, and M x = B^T root*eigenvector/omega.
-               associate (from => network%elements(n)%from, to => network%elements(n)%to)
-                  pull = network%elements(n)%radius(1)/network%radius(from)*root(n)*self%p(n, i)/omega(i)
-                  self%x(from, i) = self%x(from, i) + pull*network%radius(from)**2/network%inertia(from)
-                  self%x(to, i) = self%x(to, i) - pull*network%radius(to)**2/network%inertia(to)
+               associate (element => network%elements(n))
+                  self%theta(element%from, i) = self%theta(element%from, i) + element%radius(1)*root(n)*self%p(n, i)/omega
+                  self%theta(element%to, i) = self%theta(element%to, i) - element%radius(2)*root(n)*self%p(n, i)/omega
                end associate
             end do
-            self%p(:, i) = self%p(:, i)*omega(i)/merge(root, 1.0_dp, root > 0)
+            self%theta(:, i) = self%theta(:, i)/network%inertia
+            self%p(:, i) = self%p(:, i)*omega/merge(root, 1.0_dp, root > 0)
          end do
       end associate
    end subroutine setup
 
    !> Finds the derivatives of the natural frequencies over omega_c; NaN where there is none.
-   subroutine rates(self, system, rate, d_frequency)
+   subroutine rates(self, system, sides, weight, d_frequency)
       class(mode_shapes_type), intent(in) :: self
-      !> The train.
-      type(system_type), intent(in) :: system
-      !> Derivatives of the system.
-      type(system_rate_type), intent(in) :: rate
+      !> The train; trains beside it, of which the derivative is a sum with weights.
+      type(system_type), intent(in) :: system, sides(:)
+      !> The weights [1/unit of the parameter], (side).
+      real(dp), intent(in) :: weight(:)
       !> Derivatives [1/unit of the parameter], (mode).
       real(dp), intent(out) :: d_frequency(:)
-      real(dp) :: d_stiffness(system%elements), cross
-      integer :: i, j, k
+      !> Displacement of each element, which is exact where rows do not change, (element, mode, side); stiffness at rest [N/m],
+      !> (element, side).
+      real(dp) :: p(size(self%p, 1), size(self%p, 2), size(sides)), stiffness(size(self%p, 1), size(sides)), cross
+      integer :: i, k, n, s
 
-      associate (network => system%network, d => rate%network, omega => self%frequency*system%characteristic_frequency)
-         d_stiffness = self%factor*(d%stiffness + 2*d%gain*system%stiffness)
-         do j = 1, system%meshes
-            if (.not. rate%law_changes(j)) cycle
-            associate (n => system%mesh_element(j))
-               d_stiffness(n) = d_stiffness(n) + system%stiffness(n) &
-                                *rate%law(j)%stiffness(system%law(j)%bearing(system%static_force(n)))
+      do s = 1, size(sides)
+         stiffness(:, s) = sides(s)%stiffness*stiffness_at_rest(sides(s))
+         do n = 1, system%elements
+            associate (element => system%network%elements(n), change => sides(s)%network%elements(n)%radius &
+                       - system%network%elements(n)%radius)
+               p(n, :, s) = self%p(n, :) + change(1)*self%theta(element%from, :) - change(2)*self%theta(element%to, :)
             end associate
          end do
-         do i = 1, size(omega)
-            d_frequency(i) = along(i, i)
-         end do
+      end do
+      do i = 1, size(self%frequency)
+         d_frequency(i) = along(i, i)
+      end do
+      associate (omega => self%frequency)
          do i = 1, size(omega)
             do k = i + 1, size(omega)
                if (omega(k) - omega(i) > equal*omega(k)) cycle
@@ -93,18 +92,23 @@ contains
                   d_frequency([i, k]) = ieee_value(cross, ieee_quiet_nan)
             end do
          end do
-
       end associate
 
    contains
 
-      !> (x_i . dK x_k - omega^2 x_i . dM x_k)/(2 omega) over omega_c.
+      !> (theta_i . dK theta_k - omega^2 theta_i . dI theta_k)/(2 omega) over omega_c.
       real(dp) function along(i, k)
          integer, intent(in) :: i, k
 
-         associate (frequency => self%frequency(i)*system%characteristic_frequency)
-            along = (sum(d_stiffness*self%p(:, i)*self%p(:, k)) - frequency**2*sum(rate%network%mass*self%x(:, i)*self%x(:, k))) &
-                      /(2*frequency*system%characteristic_frequency)
+         associate (omega => self%frequency(i)*system%characteristic_frequency)
+            along = 0
+            do s = 1, size(sides)
+               along = along + weight(s)*sum(stiffness(:, s)*p(:, i, s)*p(:, k, s) &
+                                             - stiffness(:, 1)*p(:, i, 1)*p(:, k, 1)) &
+                       - weight(s)*omega**2*sum((sides(s)%network%inertia - sides(1)%network%inertia) &
+                                                *self%theta(:, i)*self%theta(:, k))
+            end do
+            along = along/(2*omega*system%characteristic_frequency)
          end associate
       end function along
 

@@ -9,8 +9,11 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, accelerate, base_radius, build_network, join_rigid, measuring_gear, state_count, &
+   public :: network_type, element_type, accelerate, base_radius, build_network, join_rigid, locks, measuring_gear, state_count, &
       stiffening, vibrating
+
+   !> Largest difference from 1 of the product of the ratios round a loop [1].
+   real(dp), parameter :: rounding = 1e-9_dp
 
    !> A shaft or a mesh with the displacement p = radius(1) theta_from - radius(2) theta_to; or damping to ground.
    type :: element_type
@@ -53,18 +56,22 @@ module geartrain_model_network
       !> Loop matrix C: displacement of each element after the coordinates per displacement of each coordinate [1], (loop,
       !> coordinate). A force in such an element is taken, times C, from the forces of the tree.
       real(dp), allocatable :: loop(:, :)
+      !> Number of each element but those with damping to ground in the order shaft 1, mesh 1, shaft 2, ...
+      integer, allocatable :: order(:)
    end type network_type
 
 contains
 
    !> Makes the network of a train.
-   pure subroutine build_network(train, network, unknown)
+   pure subroutine build_network(train, network, unknown, order)
       !> A plain train (geartrain_model_drawing) that has passed `check_train`.
       type(train_type), intent(in) :: train
       !> The network.
       type(network_type), intent(out) :: network
       !> Meshes that are unknowns in any case, (mesh).
       logical, intent(in), optional :: unknown(:)
+      !> `order` of the network of a train that differs in numbers only: its elements are taken in the same order.
+      integer, intent(in), optional :: order(:)
       type(element_type), allocatable :: elements(:)
       integer :: n
 
@@ -77,7 +84,12 @@ contains
       end if
       network%displacements = size(network%inertia) - 1
       network%coordinates = network%displacements
-      call sort_elements(elements, in_tree(elements, size(network%inertia)), size(network%inertia), network%elements)
+      if (present(order)) then
+         network%order = order
+      else
+         call sort_elements(elements, in_tree(elements, size(network%inertia)), size(network%inertia), network%order)
+      end if
+      network%elements = elements(network%order)
       call find_radii(network)
       if (any(network%damping > 0)) call add_grounded(network)
       call find_loops(network)
@@ -298,11 +310,12 @@ contains
 
    !> Sorts the elements: first the tree in the order of a search from a node at an end, so a chain from one end to the other; then
    !> the rest.
-   pure subroutine sort_elements(given, chosen, nodes, elements)
+   pure subroutine sort_elements(given, chosen, nodes, order)
       type(element_type), intent(in) :: given(:)
       logical, intent(in) :: chosen(:)
       integer, intent(in) :: nodes
-      type(element_type), allocatable, intent(out) :: elements(:)
+      !> Numbers of the elements, sorted.
+      integer, allocatable, intent(out) :: order(:)
       integer :: place(nodes), degree(nodes), depth, i, n
       logical :: met(nodes)
 
@@ -311,7 +324,7 @@ contains
          degree(given(i)%from) = degree(given(i)%from) + 1
          degree(given(i)%to) = degree(given(i)%to) + 1
       end do
-      allocate (elements(size(given)))
+      allocate (order(size(given)))
       met = .false.
       depth = 1
       place(1) = max(1, findloc(degree, 1, 1))
@@ -323,7 +336,7 @@ contains
             associate (here => place(depth), from => given(i)%from, to => given(i)%to)
                if (.not. (from == here .and. .not. met(to) .or. to == here .and. .not. met(from))) cycle
                n = n + 1
-               elements(n) = given(i)
+               order(n) = i
                place(depth + 1) = merge(to, from, from == here)
             end associate
             depth = depth + 1
@@ -332,7 +345,7 @@ contains
          end do
          depth = depth - 1
       end do search
-      elements(n + 1:) = pack(given, .not. chosen)
+      order(n + 1:) = pack([(i, i=1, size(given))], .not. chosen)
    end subroutine sort_elements
 
    !> Adds an element for each node with damping to ground.
@@ -422,6 +435,21 @@ contains
          end do
       end do
    end function stiffening
+
+   !> Whether the ratios round a loop do not multiply to 1: its gears lock.
+   pure logical function locks(network)
+      !> Network from `build_network`.
+      type(network_type), intent(in) :: network
+      integer :: n
+
+      locks = .false.
+      do n = network%displacements + 1, size(network%elements)
+         associate (element => network%elements(n), radius => network%radius)
+            if (element%grounded) cycle
+            locks = locks .or. abs(element%radius(1)*radius(element%to)/(element%radius(2)*radius(element%from)) - 1) > rounding
+         end associate
+      end do
+   end function locks
 
    !> Finds the reduced radii; the first node of the first element has the radius of this element.
    pure subroutine find_radii(network)

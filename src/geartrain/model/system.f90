@@ -78,7 +78,7 @@ module geartrain_model_system
 contains
 
    !> Makes the dimensionless system of a train.
-   pure subroutine build_system(given, system, acceleration, unknown)
+   pure subroutine build_system(given, system, acceleration, unknown, order)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: given
       !> The system.
@@ -89,6 +89,8 @@ contains
       real(dp), intent(in), optional :: acceleration
       !> Meshes that are unknowns of a balance even without backlash and variation of their stiffness, (mesh).
       logical, intent(in), optional :: unknown(:)
+      !> `order` of the network of a train that differs in numbers only: the elements are taken in the same order.
+      integer, intent(in), optional :: order(:)
       type(train_type) :: train
       type(kinematics_type) :: kinematics
       integer :: i, j, n
@@ -101,7 +103,7 @@ contains
       system%characteristic_length = train%characteristic_length
       system%half_backlash = train%meshes%half_backlash/train%characteristic_length
       call put_excitation(train, system)
-      call build_network(train, system%network, unknown)
+      call build_network(train, system%network, unknown, order)
       if (present(acceleration)) then
          call find_kinematics(given, kinematics)
          if (kinematics%known) call accelerate(system%network, kinematics%speed_body, &
