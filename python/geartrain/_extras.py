@@ -8,7 +8,8 @@ from typing import Any
 __all__ = ["OPTIONAL", "cure", "extra", "missing"]
 
 #: The optional dependencies of pyproject.toml that bring them.
-OPTIONAL = {"matplotlib": "plot", "plotly": "page", "tqdm": "progress", "h5py": "data", "xarray": "data", "scipy": "study"}
+OPTIONAL = {"matplotlib": "plot", "plotly": "page", "tqdm": "progress", "h5py": "data", "xarray": "data", "pandas": "data",
+            "scipy": "study"}
 
 
 def extra(module: str) -> Any:

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+
+from ._extras import extra
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 __all__ = ["Rows", "text_table"]
 
@@ -24,6 +29,22 @@ class Rows(list[Row]):
     def _table(self) -> Mapping[str, Sequence[Any]]:
         """The columns by their headings."""
         raise NotImplementedError
+
+    def to_dataframe(self) -> DataFrame:
+        """The table as a pandas DataFrame, a row for each result, with numbers as they are; needs pandas.
+
+        A column of values of several meshes becomes a column for each mesh. A column without any value is left out.
+        """
+        columns: dict[str, list[Any]] = {}
+        for heading, values in self._table().items():
+            if any(isinstance(value, np.ndarray) for value in values):
+                for mesh in range(max(value.size for value in values if isinstance(value, np.ndarray))):
+                    columns[f"{heading}, mesh {mesh + 1}"] = [value[mesh] if isinstance(value, np.ndarray) else None
+                                                              for value in values]
+            elif any(value is not None for value in values):
+                columns[heading] = list(values)
+        frame: DataFrame = extra("pandas").DataFrame(columns)
+        return frame
 
     def __str__(self) -> str:
         return text_table(self._table())

@@ -58,6 +58,52 @@ TRUCK = """
     )
 ) + "&shaft between = 'gear 2', 'vehicle', stiffness = 5.0e4, damping_ratio = 0.02 /\n"
 
+#: The NREL 5 MW reference gearbox (A. R. Nejad, Y. Guo, Z. Gao, T. Moan, Wind Energy 19 (2016) 1089-1106): pairs of gears of the
+#: planetary stages' teeth in place of the planets. Backlash, damping and errors are assumed.
+REFERENCE_TURBINE = """
+&train title = 'NREL 5 MW reference gearbox, pairs for planets', speed_of = 'generator' /
+&body name = 'rotor', inertia = 5.7231535e7, torque = 3946000.0 /
+&body name = 'wheel 1' /
+&body name = 'pinion 1' /
+&body name = 'wheel 2' /
+&body name = 'pinion 2' /
+&body name = 'wheel 3' /
+&body name = 'pinion 3' /
+&body name = 'generator', inertia = 534.116, balances = .true. /
+&shaft between = 'rotor', 'wheel 1', stiffness = 8.67637e8, damping_ratio = 0.01 /
+&mesh between = 'wheel 1', 'pinion 1', teeth = 75, 19, normal_module = 45e-3, face_width = 1.473, profile_shift = 0.0, 0.617,
+      bore = 2.6, 0.4, backlash = 900e-6, damping_ratio = 0.05, error_cos = 15e-6 /
+&shaft between = 'pinion 1', 'wheel 2', diameter = 0.533, length = 1.250, damping_ratio = 0.01 /
+&mesh between = 'wheel 2', 'pinion 2', teeth = 111, 18, normal_module = 21e-3, face_width = 1.650, profile_shift = 0.0, 0.389,
+      bore = 1.9, 0.2, backlash = 500e-6, damping_ratio = 0.05, error_cos = 10e-6 /
+&shaft between = 'pinion 2', 'wheel 3', diameter = 0.333, length = 0.850, damping_ratio = 0.01 /
+&mesh between = 'wheel 3', 'pinion 3', teeth = 95, 24, normal_module = 14e-3, helix_angle = 10.0, face_width = 0.360,
+      profile_shift = 0.669, 0.480, centre_distance = 0.861, bore = 0.5, 0.2, backlash = 350e-6,
+      damping_ratio = 0.05, error_cos = 6e-6 /
+&shaft between = 'pinion 3', 'generator', diameter = 0.190, length = 1.0, damping_ratio = 0.01 /
+"""
+
+#: Reverse gear of the five-speed transaxle RS5F32V (teeth 14, 37, 45, 17, 71 by its service manual). The rest is assumed.
+TRANSAXLE = """
+&train title = 'car transaxle in reverse', speed_of = 'engine' /
+&body name = 'engine', inertia = 0.18, torque = 160.0 /
+&body name = 'input' /
+&body name = 'idler' /
+&body name = 'main' /
+&body name = 'pinion' /
+&body name = 'ring' /
+&body name = 'vehicle', inertia = 110.0, balances = .true. /
+&shaft between = 'engine', 'input', stiffness = 1100.0, damping_ratio = 0.05 /
+&mesh between = 'input', 'idler', teeth = 14, 37, normal_module = 2.5e-3, face_width = 0.016, backlash = 150e-6,
+      profile_shift = 0.3, 0.0, bore = 0.0, 0.025, damping_ratio = 0.05, error_cos = 6e-6 /
+&mesh between = 'idler', 'main', teeth = 37, 45, normal_module = 2.5e-3, face_width = 0.016, backlash = 150e-6, bore = 0.025, 0.04,
+      damping_ratio = 0.05, error_cos = 6e-6 /
+&shaft between = 'main', 'pinion', diameter = 0.034, length = 0.120, damping_ratio = 0.01 /
+&mesh between = 'pinion', 'ring', teeth = 17, 71, normal_module = 2.25e-3, helix_angle = 28.0, face_width = 0.030,
+      backlash = 110e-6, damping_ratio = 0.05, error_cos = 3e-6 /
+&shaft between = 'ring', 'vehicle', stiffness = 9000.0, damping_ratio = 0.02 /
+"""
+
 
 def train_of(text):
     """The train of a case."""

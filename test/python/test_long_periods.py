@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from conftest import assert_equal_files, run
-from gearboxes import TRUCK, WIND_TURBINE, Chain, truck, wind_turbine
+from gearboxes import REFERENCE_TURBINE, TRANSAXLE, TRUCK, WIND_TURBINE, Chain, train_of, truck, wind_turbine
 from test_many_cycles import stages
 
 import geartrain as gt
@@ -268,3 +268,20 @@ def test_the_balance_agrees_with_windows(turbine, times):
         within += [abs(getattr(motion, name) - getattr(window, name)) <= getattr(window, FIGURES[name])
                    for name in ("minimum", "maximum")]
     assert np.mean(within) >= 0.95
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("text", "speeds"), [(REFERENCE_TURBINE, (1000.0,)), (TRANSAXLE, (900.0, 2500.0, 4000.0))])
+def test_published_gearboxes(text, speeds):
+    """Balance and integration agree to the error estimates of the meshes, within a factor of 3, and the window's uncertainty."""
+    train = train_of(text)
+    for speed in speeds:
+        branch = train.response(start=speed - 1, stop=speed + 1, unit="rpm", harmonics=0, tolerance=1e-3)
+        balanced, integrated = branch.at(speed, unit="rpm")[0], train.integrate(speed, unit="rpm")
+        assert balanced.stable and integrated.kind in ("periodic", "stationary"), speed
+        estimate = branch.to_dataset().mesh_error_estimate.max("point").values
+        for figure, uncertainty in FIGURES.items():
+            value, other = getattr(balanced, figure), getattr(integrated, figure)
+            window = getattr(integrated, uncertainty) if integrated.kind == "stationary" else 0
+            error = 3 * (estimate if len(value) == len(estimate) else estimate.max())
+            assert (abs(value - other) <= error * abs(other) + window).all(), (speed, figure, value, other)

@@ -217,3 +217,16 @@ def test_a_killed_run_says_how_to_go_on(executable, tmp_path):
     (tmp_path / "case.h5.partial").write_text("precious")
     assert run(executable, case, "--force", cwd=tmp_path).returncode == 4
     assert (tmp_path / "case.h5.partial").read_text() == "precious"
+
+
+def test_tables_are_dataframes():
+    """Numbers of the tables are those of the branch, a column for each mesh; text would hide digits."""
+    branch = paper_train().response(start=0.2, stop=2.6, harmonics=6)
+    points = branch.to_dataframe()
+    assert len(points) == len(branch) and (points["rms, mesh 2"].values == branch.rms[:, 1]).all()
+    assert (points["stable"].values == branch.stable).all()
+    for rows in (branch.peaks(1), branch.jumps, branch.special_points):
+        frame = rows.to_dataframe()
+        assert len(frame) == len(rows) > 0
+        text = str(rows).splitlines()[1].split()
+        assert f"{frame.select_dtypes('number').iloc[0, 0]:.6g}" in text

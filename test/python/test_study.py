@@ -62,7 +62,7 @@ def test_every_point_is_what_the_calls_give(whole):
 def test_everything_has_its_unit(whole, tmp_path):
     assert whole.rms.attrs["units"] == "1" and "rms of the paper" in whole.rms.attrs["description"]
     assert whole.input_torque.attrs == {
-        "units": "N m", "description": "Mean torque on the driving end of a chain",
+        "units": "N m", "description": "Mean torque at the driving end of a chain",
     }
     assert whole.peak_mesh_force_maximum.attrs["units"] == "N"
     assert whole.attrs["analysis"] == "response" and "stiffness_cos" in whole.attrs["case"]

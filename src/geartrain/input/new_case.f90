@@ -8,74 +8,74 @@ module geartrain_input_new_case
    !> Shorter than the template, which has every variable there is; runs in a second or two. FILE stands for the name of the file.
    character(120), parameter :: lines(*) = [character(120) :: &
       "! A gear reducer as its drawing gives it: motor, shaft, pinion, wheel, shaft, load. SI units, angles in degrees.", &
-      "! What follows a ! is a comment. Change any number and run again: a slip is told with its line.", &
+      "! Text after a ! is a comment. Change any number and run again: errors are reported with their line.", &
       "!", &
-      "!    geartrain FILE: runs it in a second or two and writes the results, .h5 beside the name", &
-      "!    geartrain --explain FILE: every number that follows from the drawing, with formula and source", &
-      "!    geartrain --template: every variable that there is", &
+      "!    geartrain FILE: computes for a second, prints a report, writes the results to a file .h5", &
+      "!    geartrain --explain FILE: prints every number derived from the drawing, with formula and standard", &
+      "!    geartrain --template: prints every variable of a case", &
       "", &
       "&train", &
-      "   title = 'gear reducer'                     ! stands in the results and above pictures", &
+      "   title = 'gear reducer'                     ! title of results and pictures", &
       "/", &
       "", &
-      "! Bodies turn as one. Gears on a body add their inertia to it, as discs of steel.", &
+      "! A body turns as one. Its inertia is the given one; without it, that of its gears as discs of steel.", &
       "&body", &
-      "   name     = 'motor'                         ! shafts and meshes below call it so", &
+      "   name     = 'motor'                         ! name used by shafts and meshes", &
       "   inertia  = 0.02                            ! kg m^2", &
-      "   torque   = 90.0                            ! N m; speeds are those of the first body", &
+      "   torque   = 90.0                            ! N m; the speed in rpm is that of the first body", &
       "/", &
       "&body", &
-      "   name     = 'pinion'                        ! nothing but its gear", &
+      "   name     = 'pinion'                        ! inertia from its gear", &
       "/", &
       "&body", &
-      "   name     = 'wheel'                         ! its gear likewise", &
+      "   name     = 'wheel'                         ! inertia from its gear", &
       "/", &
       "&body", &
-      "   name     = 'load'                          ! what is driven", &
+      "   name     = 'load'                          ! driven machine", &
       "   inertia  = 0.5                             ! kg m^2", &
-      "   balances = .true.                          ! its mean torque follows from the others'", &
+      "   balances = .true.                          ! its mean torque balances all others", &
       "/", &
       "", &
-      "! Shafts join bodies; diameter and length give the stiffness, of steel.", &
+      "! Shafts join bodies. Diameter and length give the stiffness of a steel shaft.", &
       "&shaft", &
       "   between       = 'motor', 'pinion'          ! names of the bodies at its ends", &
       "   diameter      = 0.030                      ! m", &
       "   length        = 0.150                      ! m", &
-      "   damping_ratio = 0.01                       ! of the critical damping", &
+      "   damping_ratio = 0.01                       ! damping over critical damping", &
       "/", &
       "&shaft", &
       "   between       = 'wheel', 'load'            ! names of the bodies at its ends", &
       "   diameter      = 0.045                      ! m", &
       "   length        = 0.150                      ! m", &
-      "   damping_ratio = 0.01                       ! of the critical damping", &
+      "   damping_ratio = 0.01                       ! damping over critical damping", &
       "/", &
       "", &
-      "! Meshes join bodies by a pair of gears, the driving gear first. A second stage is one more mesh.", &
+      "! A mesh is a gear pair between two bodies, the driving gear first. A second stage is another mesh.", &
       "&mesh", &
-      "   between             = 'pinion', 'wheel'    ! the bodies that the gears are on", &
+      "   between             = 'pinion', 'wheel'    ! bodies with the two gears", &
       "   teeth               = 23, 71               ! numbers of teeth, in the same order", &
       "   normal_module       = 2.5e-3               ! m", &
-      "   helix_angle         = 15.0                 ! degrees; 0 of spur gears", &
-      "   face_width          = 0.040                ! m; with the rest of the drawing: stiffness by ISO 6336-1", &
+      "   helix_angle         = 15.0                 ! degrees; 0 for spur gears", &
+      "   face_width          = 0.040                ! m; the drawing gives the mesh stiffness by ISO 6336-1", &
       "   backlash            = 60e-6                ! m, along the pitch circles", &
-      "   damping_ratio       = 0.08                 ! of the teeth in contact", &
-      "   stiffness_harmonics = 3                    ! of the wave of stiffness that the contact ratio gives", &
-      "   error_cos           = 3e-6                 ! m, transmission error: once a tooth", &
+      "   damping_ratio       = 0.08                 ! damping over critical damping, teeth in contact", &
+      "   stiffness_harmonics = 3                    ! harmonics of the mesh stiffness variation", &
+      "   error_cos           = 3e-6                 ! m, transmission error, amplitude at mesh frequency", &
       "/", &
       "", &
-      "! What to compute; leave out a group, and it is not.", &
+      "! Analyses; a group that is left out is not computed.", &
       "&modes", &
       "/                                             ! natural frequencies and mode shapes", &
-      "&response                                     ! every steady motion over speed, also the unstable ones", &
-      "   from      = 1000.0                         ! speed at which it begins", &
-      "   to        = 2500.0                         ! speed at which it ends", &
+      "&response                                     ! steady motions over speed, stable and unstable", &
+      "   from      = 1000.0                         ! first speed", &
+      "   to        = 2500.0                         ! last speed", &
       "   unit      = 'rpm'                          ! of the first body", &
       "   harmonics = 0                              ! 0: as many as the tolerance needs", &
-      "   tolerance = 1e-3                           ! of the waveform", &
+      "   tolerance = 1e-3                           ! relative error of the waveform", &
       "/", &
-      "&run_up                                       ! forces and torques over time while the speed rises", &
-      "   from      = 1000.0                         ! speed at which it begins", &
-      "   to        = 2500.0                         ! speed at which it ends", &
+      "&run_up                                       ! forces and torques while the speed rises", &
+      "   from      = 1000.0                         ! first speed", &
+      "   to        = 2500.0                         ! last speed", &
       "   unit      = 'rpm'                          ! of the first body", &
       "   duration  = 1.0                            ! s", &
       "/"]

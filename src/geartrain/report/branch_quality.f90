@@ -86,7 +86,8 @@ contains
               ' at '//place//')'
       if (settings%harmonics > 0) words = words//': '//counted(branch%harmonics, 'harmonic is', 'harmonics are')// &
                                           ' too few, use harmonics = 0'
-      if (settings%harmonics == 0) words = words//' with at most '//counted(branch%harmonics, 'harmonic', 'harmonics')
+      if (settings%harmonics == 0) words = words//' with at most '//counted(branch%harmonics, 'harmonic', 'harmonics')// &
+                                           ': refine = .true. makes them exact'
       call sheet%say(in_quality, words//'.')
    end subroutine say_accuracy
 
