@@ -334,7 +334,7 @@ contains
                if (train%shafts(i)%rigid) cycle
                associate (element => findloc(system%element_shaft, i, 1))
                   call put(trim(names(i))//', N m', ' N m', result%torque_minimum(i, :n), result%torque_maximum(i, :n), element, &
-                           system%network%elements(element)%radius(1))
+                           system%network%elements(element)%radius)
                end associate
             end do
          end if

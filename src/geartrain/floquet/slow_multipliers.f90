@@ -346,12 +346,11 @@ contains
             do n = 1, size(elements)
                if (.not. abs(amplitude(n)) > 0) cycle
                force = -weight(n)*amplitude(n)*displacement(n)
-               theta(elements(n)%from) = theta(elements(n)%from) + elements(n)%radius(1)*force
-               theta(elements(n)%to) = theta(elements(n)%to) - elements(n)%radius(2)*force
+               theta(elements(n)%node) = theta(elements(n)%node) + elements(n)%entry*force
             end do
             call solve_scalars(self%modes%pencil%graph, factors, theta)
             do n = 1, size(elements)
-               response(n) = elements(n)%radius(1)*theta(elements(n)%from) - elements(n)%radius(2)*theta(elements(n)%to)
+               response(n) = sum(elements(n)%entry*theta(elements(n)%node))
             end do
          end associate
       end subroutine respond

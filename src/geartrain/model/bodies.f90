@@ -22,27 +22,32 @@ contains
    end function body_count
 
    !> Inertias and mean torques of the bodies.
-   pure subroutine bodies_of(train, inertia, torque, balancing)
+   pure subroutine bodies_of(train, inertia, torque, balancing, held)
       !> The train.
       type(train_type), intent(in) :: train
       !> Polar moments of inertia [kg m^2] and mean torques as given [N m], (body); the torque by which the last body of a chain
       !> balances the others is not given: 0.
       real(dp), intent(out) :: inertia(:), torque(:)
-      !> Number of the body whose mean torque balances all others; 0: none.
-      integer, intent(out) :: balancing
+      !> Numbers of the bodies whose mean torques balance all others.
+      integer, allocatable, intent(out) :: balancing(:)
+      !> Bodies that stand still, (body).
+      logical, intent(out), optional :: held(:)
       integer :: j
+
+      if (present(held)) held = .false.
 
       if (allocated(train%bodies)) then
          inertia = train%bodies%inertia
          torque = train%bodies%torque
-         balancing = findloc(train%bodies%balances, .true., 1)
+         balancing = pack([(j, j=1, size(inertia))], train%bodies%balances)
+         if (present(held)) held = train%bodies%held
       else
          inertia(1) = train%prime_mover_inertia
          do j = 1, size(train%meshes)
             inertia(2*j:2*j + 1) = [train%meshes(j)%driving_inertia, train%meshes(j)%driven_inertia]
          end do
-         balancing = size(inertia)
-         inertia(balancing) = train%load_inertia
+         balancing = [size(inertia)]
+         inertia(size(inertia)) = train%load_inertia
          torque = 0
          torque(1) = train%input_torque
       end if

@@ -26,6 +26,10 @@ module geartrain_model_body
       integer :: revolution_order = 1
       !> Damping to ground of the vibration of the body [N m s/rad]; none of its mean rotation.
       real(dp) :: damping_to_ground = 0
+      !> Stiffness to ground [N m/rad].
+      real(dp) :: stiffness_to_ground = 0
+      !> The body stands still.
+      logical :: held = .false.
       !> The mean torque of the body balances the mean torques of all others.
       logical :: balances = .false.
    end type body_type

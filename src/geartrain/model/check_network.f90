@@ -8,7 +8,8 @@ module geartrain_model_check_network
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_bodies, only: find_ends
    use geartrain_model_mesh, only: is_given, put_law
-   use geartrain_model_network, only: build_network, join_rigid, network_type
+   use geartrain_model_network, only: build_network, network_type
+   use geartrain_model_nodes, only: join_rigid, nodes_type
    use geartrain_model_rest, only: largest_residual, rest_forces
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -147,6 +148,14 @@ contains
       integer :: i, first
 
       first = findloc(train%bodies%balances, .true., 1)
+      if (any(train%bodies%held .or. train%bodies%stiffness_to_ground > 0)) then
+         if (first == 0) return
+         call checker%enter('body', first)
+         call checker%complain('balances', '.true.', 'is not for a train that a held body or a spring to ground holds: they bear &
+                               &the mean torques')
+         call checker%leave()
+         return
+      end if
       if (first == 0) call checker%problems%add('no &body has balances = .true.: the mean torque of one of them, the load, &
          &balances that of all others', 'train', 1, names_group=.true.)
       do i = first + 1, size(train%bodies)
@@ -180,6 +189,7 @@ contains
          needed(mesh_ends(:, i)) = .true.
       end do
       do i = 1, size(train%bodies)
+         if (train%bodies(i)%held) cycle
          if (.not. needed(i) .or. train%bodies(i)%inertia > 0 .or. checker%drawing_is_wrong('body', i)) cycle
          ! The gears of a wrong drawing give no inertia.
          if (any([(any(mesh_ends(:, j) == i) .and. checker%drawing_is_wrong('mesh', j), j=1, size(train%meshes))])) cycle
@@ -221,10 +231,10 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       class(checker_type), intent(inout) :: checker
-      type(network_type) :: network
+      type(nodes_type) :: nodes
       integer :: i
 
-      call join_rigid(train, network)
+      call join_rigid(train, nodes)
       do i = 1, size(train%shafts)
          if (.not. train%shafts(i)%rigid) call check_one('shaft', train%shafts(i)%between, shaft_ends(:, i))
       end do
@@ -238,8 +248,12 @@ contains
          character(*), intent(in) :: group, between(2)
          integer, intent(in) :: ends(2)
 
-         if (network%node(ends(1)) /= network%node(ends(2))) return
+         if (nodes%node(ends(1)) /= nodes%node(ends(2))) return
          call checker%enter(group, i)
+         if (nodes%node(ends(1)) == 0) call checker%complain('between', "'"//trim(between(1))//"', '"//trim(between(2))//"'", &
+            'are both held, directly or by rigid shafts: nothing moves in between')
+         if (nodes%node(ends(1)) == 0) call checker%leave()
+         if (nodes%node(ends(1)) == 0) return
          call checker%complain('between', "'"//trim(between(1))//"', '"//trim(between(2))//"'", &
                                'are made one body by '//trim(rigid_way(train, shaft_ends, ends))//': nothing moves in between')
          call checker%leave()

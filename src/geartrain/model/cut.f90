@@ -44,22 +44,25 @@ contains
       call sort_by_mesh(cut%mesh, cut%element)
       call find_parts(network, cut)
       do i = 1, cut%unknowns
-         call add_port(network, cut, i, network%elements(cut%element(i))%from, 1)
-         call add_port(network, cut, i, network%elements(cut%element(i))%to, -1)
+         do n = 1, size(network%elements(cut%element(i))%node)
+            call add_port(network, cut, i, n)
+         end do
       end do
       call join_unknowns(network, cut)
    end subroutine cut_network
 
-   !> Adds the port of an unknown mesh to the part of a node; sign = 1 for the driving gear, -1 for the driven gear.
-   pure subroutine add_port(network, cut, unknown, body, sign)
+   !> Adds the port of an entry of an unknown mesh to the part of its node.
+   pure subroutine add_port(network, cut, unknown, i)
       type(network_type), intent(in) :: network
       type(cut_type), intent(inout) :: cut
-      integer, intent(in) :: unknown, body, sign
+      integer, intent(in) :: unknown, i
 
-      associate (part => cut%part(cut%home(body)), element => network%elements(cut%element(unknown)))
-         part%at = [part%at, cut%mass(body)]
-         part%weight = [part%weight, sign*element%radius(1)/network%radius(element%from)]
-         part%unknown = [part%unknown, unknown]
+      associate (element => network%elements(cut%element(unknown)), node => network%elements(cut%element(unknown))%node(i))
+         associate (part => cut%part(cut%home(node)))
+            part%at = [part%at, cut%mass(node)]
+            part%weight = [part%weight, element%entry(i)/network%radius(node)]
+            part%unknown = [part%unknown, unknown]
+         end associate
       end associate
    end subroutine add_port
 
@@ -90,7 +93,10 @@ contains
       bodies = size(network%inertia)
       root = [(b, b=1, bodies)]
       do n = 1, size(network%elements)
-         ends(:, n) = [network%elements(n)%from, network%elements(n)%to]
+         ! An element to ground joins its node with itself.
+         associate (node => network%elements(n)%node)
+            ends(:, n) = [node(1), node(size(node))]
+         end associate
          if (.not. cut%is_unknown(n)) where (root == root(ends(2, n))) root = root(ends(1, n))
       end do
       allocate (cut%home(bodies), cut%mass(bodies), source=0)
@@ -108,17 +114,18 @@ contains
          cut%mass(body) = [(b, b=1, size(body))]
          masses(1, :) = cut%mass(ends(1, :))
          masses(2, :) = cut%mass(ends(2, :))
-         inside = pack([(n, n=1, size(cut%slot))], .not. (cut%is_unknown .or. network%elements%grounded) .and. &
-                       cut%home(ends(1, :)) == p)
+         inside = pack([(n, n=1, size(cut%slot))], .not. cut%is_unknown .and. cut%home(ends(1, :)) == p)
          do n = 1, size(inside)
             associate (element => network%elements(inside(n)))
-               cut%scale(inside(n)) = element%radius(1)/network%radius(element%from)
+               cut%scale(inside(n)) = element%entry(1)/network%radius(element%node(1))
             end associate
          end do
-         associate (part => cut%part(p), element => network%elements(inside), scale => cut%scale(inside))
+         associate (part => cut%part(p), element => network%elements)
+            part%ground_element = pack(inside, ends(1, inside) == ends(2, inside))
+            inside = pack(inside, ends(1, inside) /= ends(2, inside))
             call part%setup(body, network%inertia(body)/network%radius(body)**2, network%damping(body)/network%radius(body)**2, &
-                            masses(:, inside), scale**2*element%stiffness, &
-                            scale**2*element%damping)
+                            network%support(body)/network%radius(body)**2, masses(:, inside), &
+                            cut%scale(inside)**2*element(inside)%stiffness, cut%scale(inside)**2*element(inside)%damping)
             part%element = inside
             part%at = [integer ::]
             part%weight = [real(dp) ::]

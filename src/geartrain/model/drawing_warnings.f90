@@ -153,15 +153,16 @@ contains
    subroutine warn_of_joined_inertias(train, plain, warnings)
       type(train_type), intent(in) :: train, plain
       type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(network_type) :: network
+      type(nodes_type) :: nodes
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       real(dp), dimension(body_count(plain)) :: inertia, torque
-      integer :: i, balancing
+      integer, allocatable :: balancing(:)
+      integer :: i
 
       if (.not. allocated(plain%bodies)) return
       call bodies_of(plain, inertia, torque, balancing)
       call find_ends(plain, shaft_ends, mesh_ends)
-      call join_rigid(plain, network)
+      call join_rigid(plain, nodes)
       do i = 1, size(train%shafts)
          associate (shaft => train%shafts(i))
             if (.not. (shaft%rigid .or. shaft%damping_given) .and. shaft%damping_ratio > 0) &
@@ -183,8 +184,8 @@ contains
          integer, intent(in) :: ends(2)
          real(dp) :: alone, joined
 
-         alone = sum(radius**2/vibrating(network, inertia, ends, .true.))
-         joined = sum(radius**2/network%inertia(network%node(ends)))
+         alone = sum(radius**2/vibrating(nodes, inertia, ends, .true.))
+         joined = sum(radius**2/vibrating(nodes, inertia, ends, .false.))
          if (alone > worth_telling*joined) call add_warning(warnings, group, i, 'damping_ratio = '//real_text(ratio)//' of the &
             &bodies alone: with what is rigidly joined to them the same damping is '//short(ratio*sqrt(joined/alone)))
       end subroutine compare

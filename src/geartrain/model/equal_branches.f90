@@ -124,7 +124,8 @@ contains
       logical, intent(in) :: fixed(:)
       integer, intent(in) :: kind(:)
       integer, intent(out) :: piece(:), pieces
-      integer :: ends(2), i, n, nodes, least
+      integer, allocatable :: ends(:)
+      integer :: i, n, nodes, least
       logical :: done
 
       nodes = size(fixed)
@@ -133,8 +134,8 @@ contains
       do
          done = .true.
          do n = 1, system%elements
-            ends = ends_of(system, n)
-            do i = 1, 2
+            ends = system%network%elements(n)%node
+            do i = 1, size(ends)
                if (fixed(ends(i))) cycle
                least = min(piece(nodes + n), piece(ends(i)))
                if (piece(nodes + n) == least .and. piece(ends(i)) == least) cycle
@@ -158,7 +159,7 @@ contains
       type(system_type), intent(in) :: system
       logical, intent(in) :: fixed(:)
       integer, intent(in) :: kind(:), one(:), other(:)
-      integer :: ends(2, 2), i, k, n(2), nodes
+      integer :: i, k, n(2), nodes
 
       are_equal = all(kind(one) == kind(other))
       nodes = size(fixed)
@@ -166,16 +167,15 @@ contains
          if (.not. are_equal) return
          n = [one(i), other(i)] - nodes
          if (n(1) <= 0) cycle
-         associate (elements => system%network%elements)
-            ends = reshape([elements(n)%from, elements(n)%to], [2, 2])
+         associate (a => system%network%elements(n(1))%node, b => system%network%elements(n(2))%node)
+            do k = 1, size(a)
+               if (fixed(a(k))) then
+                  are_equal = are_equal .and. a(k) == b(k)
+               else
+                  are_equal = are_equal .and. findloc(one, a(k), 1) == findloc(other, b(k), 1)
+               end if
+            end do
          end associate
-         do k = 1, 2
-            if (fixed(ends(1, k))) then
-               are_equal = are_equal .and. ends(1, k) == ends(2, k)
-            else
-               are_equal = are_equal .and. findloc(one, ends(1, k), 1) == findloc(other, ends(2, k), 1)
-            end if
-         end do
          associate (force => system%static_force(n))
             are_equal = are_equal .and. abs(force(1) - force(2)) <= rest_error*maxval(abs(system%static_force))
          end associate
@@ -238,28 +238,30 @@ contains
 
    end subroutine find_kinds
 
-   !> Kinds of what touches each node and element, (neighbour, node or element): of a node the kinds of the elements that begin and
-   !> end there, ascending, of an element the kinds of its two nodes.
+   !> Kinds of what touches each node and element, (neighbour, node or element): of a node the kinds of the elements there and the
+   !> numbers of their entries, ascending, of an element the kinds of its nodes.
    pure subroutine look_around(system, kind, around)
       type(system_type), intent(in) :: system
       integer, intent(in) :: kind(:)
       integer, allocatable, intent(out) :: around(:, :)
-      integer :: touching(size(kind)), ends(2), i, k, n, nodes
+      integer, allocatable :: ends(:)
+      integer :: touching(size(kind)), i, k, most, n, nodes
 
       nodes = size(system%network%inertia)
-      touching = 2
+      most = maxval([(size(system%network%elements(n)%node), n=1, system%elements)])
+      touching = most
       touching(:nodes) = 0
       do n = 1, system%elements
-         ends = ends_of(system, n)
+         ends = system%network%elements(n)%node
          touching(ends) = touching(ends) + 1
       end do
       allocate (around(maxval(touching), size(kind)), source=0)
       touching = 0
       do n = 1, system%elements
-         ends = ends_of(system, n)
-         around(:2, nodes + n) = kind(ends)
-         do i = 1, 2
-            associate (list => around(:, ends(i)), last => touching(ends(i)), own => 2*kind(nodes + n) + i)
+         ends = system%network%elements(n)%node
+         around(:size(ends), nodes + n) = kind(ends)
+         do i = 1, size(ends)
+            associate (list => around(:, ends(i)), last => touching(ends(i)), own => most*kind(nodes + n) + i)
                k = count(list(:last) <= own)
                list(k + 2:last + 1) = list(k + 1:last)
                list(k + 1) = own
@@ -269,25 +271,18 @@ contains
       end do
    end subroutine look_around
 
-   !> The two nodes of an element.
-   pure function ends_of(system, n) result(ends)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: n
-      integer :: ends(2)
-
-      ends = [system%network%elements(n)%from, system%network%elements(n)%to]
-   end function ends_of
-
    !> Whether two nodes have the same reduced mass, torques and damping, and neither balances the torques.
    pure logical function same_nodes(system, a, b)
       type(system_type), intent(in) :: system
       integer, intent(in) :: a, b
+      integer :: i
 
       associate (network => system%network)
          same_nodes = .false.
-         if (any([a, b] == network%balancing)) return
+         if (any([(any([a, b] == network%node(network%balancing(i))), i=1, size(network%balancing))])) return
          associate (r => network%radius([a, b]))
             same_nodes = equal(network%inertia([a, b])/r**2) .and. equal(network%damping([a, b])/r**2) .and. &
+                         equal(network%support([a, b])/r**2) .and. &
                          abs(network%torque(a)/r(1) - network%torque(b)/r(2)) <= &
                          rounding*maxval(abs(network%magnitude/network%radius))
             if (same_nodes) same_nodes = same_torques(r)
@@ -330,9 +325,9 @@ contains
 
       associate (one => system%network%elements(a), other => system%network%elements(b), radius => system%network%radius)
          same_elements = (one%mesh > 0 .eqv. other%mesh > 0) .and. (one%unknown .eqv. other%unknown) .and. &
-            (one%grounded .eqv. other%grounded) .and. equal([one%stiffness, other%stiffness]) .and. &
-            equal([one%damping, other%damping]) .and. &
-            equal([one%radius(1)/radius(one%from), other%radius(1)/radius(other%from)])
+            (one%elastic .eqv. other%elastic) .and. size(one%node) == size(other%node) .and. &
+            equal([one%stiffness, other%stiffness]) .and. equal([one%damping, other%damping])
+         if (same_elements) same_elements = all(equal_numbers(one%entry/radius(one%node), other%entry/radius(other%node)))
          if (.not. same_elements .or. one%mesh == 0) return
          same_elements = same_laws(system%law(one%mesh), system%law(other%mesh)) .and. &
             same_series(system%transmission_error(one%mesh), system%transmission_error(other%mesh))

@@ -204,7 +204,7 @@ contains
          call carry(fields, field_type('stiffness', '', 'N m/rad', words), context%plain%shafts(i)%stiffness)
          call context%damping%explain_element('shaft', i, fields)
          n = findloc(system%element_shaft, i, 1)
-         torque = system%static_force(n)*system%stiffness(n)*system%characteristic_length*system%network%elements(n)%radius(1)
+         torque = system%static_force(n)*system%stiffness(n)*system%characteristic_length*system%network%elements(n)%radius
          call carry(fields, field_type('mean_torque', '', 'N m', 'at rest, by the mean torques of the bodies'), torque)
       end associate
    end subroutine explain_shaft

@@ -261,7 +261,7 @@ contains
       train%characteristic_length = self%plain%characteristic_length
       train%characteristic_frequency = self%plain%characteristic_frequency
       associate (network => self%system%network)
-         call build_system(train, system, unknown=network%elements(self%system%mesh_element)%unknown, order=network%order)
+         call build_system(train, system, unknown=network%elements(self%system%mesh_element)%unknown, like=network)
       end associate
    end subroutine changed_system
 

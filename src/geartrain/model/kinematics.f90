@@ -63,6 +63,10 @@ contains
       if (.not. all_toothed(train)) return
       call find_ends(train, shaft_ends, mesh_ends)
       if (any(shaft_ends == 0) .or. any(mesh_ends == 0)) return
+      ! A train that is held vibrates about its rest.
+      if (allocated(train%bodies)) then
+         if (any(train%bodies%held .or. train%bodies%stiffness_to_ground > 0)) return
+      end if
       call hand_on(train, shaft_ends, mesh_ends, found%rate)
       if (any(found%rate == 0)) return
       found%speed_body = 1

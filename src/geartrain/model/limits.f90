@@ -159,7 +159,7 @@ contains
       type(train_type), intent(in) :: train
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker
-      type(network_type) :: network
+      type(nodes_type) :: nodes
       character(*), parameter :: units = 'are radii, inertias and stiffness in SI units?'
       real(dp) :: own, frequency(merge(size(train%meshes), 0, allocated(train%meshes)))
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
@@ -169,18 +169,19 @@ contains
       frequency = mesh_frequencies(train)
       own = own_frequency(train)
       call find_ends(train, shaft_ends, mesh_ends)
-      call join_rigid(train, network)
+      call join_rigid(train, nodes)
       do i = 1, size(train%shafts)
-         associate (shaft => train%shafts(i), nodes => network%node(shaft_ends(:, i)))
+         associate (shaft => train%shafts(i), ends => shaft_ends(:, i))
             if (shaft%rigid) cycle
-            call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/network%inertia(nodes))), 'shaft', 'stiffness', shaft%stiffness, &
+            call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/vibrating(nodes, inertia, ends, .false.))), 'shaft', 'stiffness', shaft%stiffness, &
                                shaft%damping_ratio, shaft%damping_given, shaft%damping, &
                                'make the shaft rigid, or give the inertias at its ends as they are')
          end associate
       end do
-      do i = 1, size(network%node)
+      do i = 1, size(nodes%node)
          if (.not. allocated(train%bodies)) exit
-         if (.not. train%bodies(i)%damping_to_ground > largest_ratio*own*network%inertia(network%node(i))) cycle
+         if (nodes%node(i) == 0) cycle
+         if (.not. train%bodies(i)%damping_to_ground > largest_ratio*own*nodes%inertia(nodes%node(i))) cycle
          call checker%enter('body', i)
          call checker%complain('damping_to_ground', real_text(train%bodies(i)%damping_to_ground), 'must be smaller: the rate at &
                                &which it brings the body to rest is more than 1e6 times the frequency of the slowest mesh, too &
@@ -260,7 +261,8 @@ contains
       type(network_type) :: network
       real(dp), allocatable :: factor(:)
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
-      integer :: balancing, n
+      integer, allocatable :: balancing(:)
+      integer :: n
 
       call bodies_of(train, inertia, torque, balancing)
       call find_ends(train, shaft_ends, mesh_ends)

@@ -80,7 +80,7 @@ contains
       root = sqrt(self%pencil%inertia)
       most = min(block*((most_share*number + most_beside)/block), block*((n - 1)/block - 1))
       success = .false.
-      if (most < number + block) return
+      if (most < number + block .or. size(system%network%rigid, 2) /= 1) return
       moved = shift*lowest_eigenvalue(self)
       associate (graph => self%pencil%graph, k => self%pencil%stiffness)
          associate (upper => graph%nodes, lower => graph%nodes + graph%slots)
@@ -93,7 +93,7 @@ contains
       ! The first vector is the turning of the whole train, to which all others are orthogonal.
       allocate (basis(n, 0:most + block), projected(most + block, most + block))
       projected = 0
-      basis(:, 0) = root/system%network%radius
+      basis(:, 0) = root*system%network%rigid(:, 1)
       basis(:, 0) = basis(:, 0)/norm2(basis(:, 0))
       do m = 1, block
          basis(:, m) = [(modulo(real(i, dp)*(sqrt(2.0_dp) + m)*sqrt(3.0_dp)*(i + 7*m), 1.0_dp) - 0.5_dp, i=1, n)]
@@ -124,7 +124,7 @@ contains
       allocate (self%shape(system%elements, number))
       do i = 1, system%elements
          associate (element => system%network%elements(i))
-            self%shape(i, :) = element%radius(1)*theta(element%from, :) - element%radius(2)*theta(element%to, :)
+            self%shape(i, :) = matmul(element%entry, theta(element%node, :))
          end associate
       end do
 

@@ -93,7 +93,7 @@ contains
       integer :: i, info, l, n
 
       associate (tree => network%coordinates, elements => network%elements)
-         linear = pack([(n, n=1, size(elements))], .not. (elements%unknown .or. elements%grounded))
+         linear = pack([(n, n=1, size(elements))], .not. elements%unknown .and. elements%elastic)
          linear = pack(linear, linear > tree)
          allocate (flexibility(size(linear), size(linear)), taken(size(linear), size(mean%closing)), source=0.0_dp)
          allocate (pivot(size(linear)))

@@ -83,7 +83,7 @@ contains
 
       if (.not. damps_by_modes(train)) return
       call find_modal_damping(train, found)
-      free = .not. found%damping > 0
+      free = .not. found%damping > 0 .and. found%shaft + found%mesh > 0
       eta = loss_factors(train, found)
       do n = 1, size(found%damping)
          if (.not. eta(n) > 0) cycle
@@ -102,7 +102,7 @@ contains
                shaft%damping_given = .true.
                shaft%loss_factor = 0
             end associate
-         else
+         else if (found%mesh(n) > 0) then
             associate (mesh => train%meshes(found%mesh(n)))
                mesh%damping = found%damping(n)
                mesh%damping_given = .true.
@@ -152,6 +152,7 @@ contains
       type(element_type), allocatable :: elements(:)
       type(law_type) :: law(size(train%meshes))
       real(dp), allocatable :: force(:), vector(:, :)
+      integer, allocatable :: elastic(:)
       real(dp) :: residual
       integer :: i, j, n, modes
 
@@ -161,11 +162,12 @@ contains
       end do
       allocate (force(size(network%elements)))
       call rest_forces(network, law, train%characteristic_length, force, residual)
-      force = pack(force, .not. network%elements%grounded)
-      elements = pack(network%elements, .not. network%elements%grounded)
+      elastic = pack([(n, n=1, size(force))], network%elements%elastic)
+      force = force(elastic)
+      elements = network%elements(elastic)
       found%stiffness = elements%stiffness
       found%damping = elements%damping
-      found%radius = elements%radius(1)
+      found%radius = elements%radius
       found%shaft = elements%shaft
       found%mesh = elements%mesh
       do n = 1, size(elements)
@@ -188,18 +190,10 @@ contains
       type(network_type), intent(in) :: network
       type(element_type), intent(in) :: a, b
 
-      coupling = a%radius(1)*radius(b, a%from)/network%inertia(a%from) - a%radius(2)*radius(b, a%to)/network%inertia(a%to)
+      integer :: i
+
+      coupling = sum([(a%entry(i)*b%entry_at(a%node(i))/network%inertia(a%node(i)), i=1, size(a%node))])
    end function coupling
-
-   !> Displacement of an element per rotation of a node [m].
-   pure real(dp) function radius(element, node)
-      type(element_type), intent(in) :: element
-      integer, intent(in) :: node
-
-      radius = 0
-      if (element%from == node) radius = element%radius(1)
-      if (element%to == node) radius = radius - element%radius(2)
-   end function radius
 
    !> Finds the natural frequencies, and the eigenvectors of sqrt(K) B I^-1 B' sqrt(K): squares of their values are shares of the
    !> strain energy. Each element that closes a loop adds an eigenvalue 0.
@@ -237,7 +231,7 @@ contains
       do node = 1, size(network%damping)
          if (.not. network%damping(node) > 0) cycle
          do i = 1, size(found%frequency)
-            rotation = sum([(radius(elements(n), node)*sqrt(found%stiffness(n))*vector(n, i), n=1, size(elements))]) &
+            rotation = sum([(elements(n)%entry_at(node)*sqrt(found%stiffness(n))*vector(n, i), n=1, size(elements))]) &
                        /(network%inertia(node)*found%frequency(i))
             found%ratio(i) = found%ratio(i) + network%damping(node)*rotation**2/(2*found%frequency(i))
          end do

@@ -47,8 +47,7 @@ contains
             omega = self%frequency(i)*system%characteristic_frequency
             do n = 1, system%elements
                associate (element => network%elements(n))
-                  self%theta(element%from, i) = self%theta(element%from, i) + element%radius(1)*root(n)*self%p(n, i)/omega
-                  self%theta(element%to, i) = self%theta(element%to, i) - element%radius(2)*root(n)*self%p(n, i)/omega
+                  self%theta(element%node, i) = self%theta(element%node, i) + element%entry*(root(n)*self%p(n, i)/omega)
                end associate
             end do
             self%theta(:, i) = self%theta(:, i)/network%inertia
@@ -74,9 +73,8 @@ contains
       do s = 1, size(sides)
          stiffness(:, s) = sides(s)%stiffness*stiffness_at_rest(sides(s))
          do n = 1, system%elements
-            associate (element => system%network%elements(n), change => sides(s)%network%elements(n)%radius &
-                       - system%network%elements(n)%radius)
-               p(n, :, s) = self%p(n, :) + change(1)*self%theta(element%from, :) - change(2)*self%theta(element%to, :)
+            associate (element => system%network%elements(n))
+               p(n, :, s) = self%p(n, :) + matmul(sides(s)%network%elements(n)%entry - element%entry, self%theta(element%node, :))
             end associate
          end do
       end do

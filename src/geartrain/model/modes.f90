@@ -64,7 +64,7 @@ contains
       type(modes_type), intent(inout) :: modes
       character(label_length) :: shafts(size(train%shafts)), meshes(size(train%meshes))
       integer, allocatable :: shown(:)
-      integer :: i
+      integer :: body, i
 
       shafts = shaft_labels(train)
       meshes = mesh_labels(train)
@@ -76,9 +76,13 @@ contains
             if (mesh > 0) then
                write (modes%element(i), '(a, i0)') 'mesh ', mesh
                modes%element_label(i) = meshes(mesh)
-            else
+            else if (shaft > 0) then
                write (modes%element(i), '(a, i0)') 'shaft ', shaft
                modes%element_label(i) = shafts(shaft)
+            else
+               body = findloc(system%network%node, system%network%elements(shown(i))%node(1), 1)
+               write (modes%element(i), '(a, i0)') 'ground ', body
+               modes%element_label(i) = trim(modes%body(body))//' - ground'
             end if
          end associate
       end do
@@ -87,11 +91,13 @@ contains
    !> Numbers of the elastic elements in the order of the case: shaft 1, mesh 1, shaft 2, ...
    pure function elastic(system) result(shown)
       type(system_type), intent(in) :: system
-      integer, allocatable :: shown(:)
+      integer, allocatable :: shown(:), place(:)
       integer :: n
 
       shown = pack([(n, n=1, system%elements)], system%spring > 0)
-      shown = shown(ascending(max(2*system%element_shaft(shown) - 1, 2*system%element_mesh(shown))*1.0_dp))
+      place = max(2*system%element_shaft(shown) - 1, 2*system%element_mesh(shown))
+      where (place < 0) place = huge(place)
+      shown = shown(ascending(place*1.0_dp))
    end function elastic
 
    !> Ranges that hold all natural frequencies: the lowest and the highest one of each range over characteristic frequency [1], (2,
@@ -121,40 +127,27 @@ contains
          modes%shape(:, i) = modes%shape(:, i) &
                              /sqrt(system%stiffness*merge(stiffness_at_rest(system), 1.0_dp, system%spring > 0))
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
-         call find_rotations(system%network, modes%shape(:, i), modes%rotation(:, i))
+         call find_rotations(system%network, system%stiffness*stiffness_at_rest(system)*modes%shape(:, i), modes%rotation(:, i))
       end do
       modes%shape = modes%shape(elastic(system), :)
    end subroutine undamped
 
-   !> Finds the rotations of the bodies from the displacements of the elements of the tree. They bear no angular momentum of the
-   !> train turning as a whole.
-   pure subroutine find_rotations(network, shape, rotation)
+   !> Finds the rotations of the bodies from the elastic forces, in proportion to the inertia forces: the rigid motions are left out.
+   pure subroutine find_rotations(network, force, rotation)
       type(network_type), intent(in) :: network
-      !> Displacement of each element, (element).
-      real(dp), intent(in) :: shape(:)
+      !> Force of each element, (element).
+      real(dp), intent(in) :: force(:)
       !> Rotation of each body, largest 1, (body).
       real(dp), intent(out) :: rotation(:)
-      real(dp) :: theta(size(network%inertia)), rigid(size(network%inertia))
-      logical :: known(size(network%inertia))
+      real(dp) :: theta(0:size(network%inertia))
       integer :: n
 
       theta = 0
-      known = .false.
-      known(network%elements(1)%from) = .true.
-      do n = 1, network%displacements
+      do n = 1, size(network%elements)
          associate (element => network%elements(n))
-            associate (from => element%from, to => element%to, radius => element%radius)
-               if (known(from)) then
-                  theta(to) = (radius(1)*theta(from) - shape(n))/radius(2)
-               else
-                  theta(from) = (radius(2)*theta(to) + shape(n))/radius(1)
-               end if
-               known([from, to]) = .true.
-            end associate
+            theta(element%node) = theta(element%node) + element%entry*force(n)/network%inertia(element%node)
          end associate
       end do
-      rigid = 1/network%radius
-      theta = theta - rigid*sum(network%inertia*rigid*theta)/sum(network%inertia*rigid**2)
       theta = theta/maxval(abs(theta))
       rotation = theta(network%node)
    end subroutine find_rotations
@@ -226,7 +219,9 @@ contains
       n = system%displacements
       allocate (modes%damped_frequency(n), modes%damping_ratio(n))
       taken = wi < 0
-      if (n < system%coordinates) taken(minloc(abs(wr), 1, .not. abs(wi) > 0)) = .true.
+      do i = n + 1, system%coordinates
+         taken(minloc(abs(wr), 1, .not. (abs(wi) > 0 .or. taken))) = .true.
+      end do
       do i = 1, n
          best = minloc(abs(hypot(wr, wi) - modes%natural_frequency(i)), 1, .not. taken)
          taken(best) = .true.

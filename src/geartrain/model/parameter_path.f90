@@ -11,6 +11,7 @@ module geartrain_model_parameter_path
    use geartrain_model_limits, only: check_frequency
    use geartrain_model_mesh, only: has_table, is_given
    use geartrain_model_modal_damping, only: modes_of_loss_factors
+   use geartrain_model_network, only: network_type
    use geartrain_model_parameter, only: find_parameters, variation
    use geartrain_model_parameter_table, only: add_to_parameter, entry_type, parameter_type, table_type
    use geartrain_model_system, only: build_system, system_type
@@ -42,8 +43,8 @@ module geartrain_model_parameter_path
       logical :: holds_train = .true.
       !> Meshes that are unknowns of the balance, (mesh): those that have backlash or a varying stiffness anywhere between the ends.
       logical, allocatable :: unknown(:)
-      !> Order of the elements of the network in all systems.
-      integer, allocatable :: order(:)
+      !> Network whose order of elements all systems have.
+      type(network_type), allocatable :: like
       !> How often the motions go through their waveform in a period: the systems have the orders divided by it and so many times
       !> the characteristic frequency, so that Lambda is as before.
       integer :: repeats = 1
@@ -110,7 +111,7 @@ contains
       call plain_train(loaded, plain)
       call reduce_light_loads(plain)
       self%loss_mode = modes_of_loss_factors(plain)
-      self%order = middle%network%order
+      self%like = middle%network
       call self%check_at(start, middle, error)
       call self%check_at(stop, middle, error)
       do i = 1, places
@@ -258,7 +259,7 @@ contains
       call self%train_at(value, train)
       train%characteristic_frequency = self%repeats*train%characteristic_frequency
       if (allocated(self%unknown)) then
-         call build_system(train, system, unknown=self%unknown, order=self%order)
+         call build_system(train, system, unknown=self%unknown, like=self%like)
       else
          call build_system(train, system)
       end if

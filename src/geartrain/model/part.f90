@@ -15,14 +15,14 @@ module geartrain_model_part
       !> Node of the network of each mass; inertia over reduced radius squared [kg], (mass).
       integer, allocatable :: body(:)
       real(dp), allocatable :: mass(:)
-      !> Damping to ground over reduced radius squared [N s/m], (mass); whether any is > 0.
-      real(dp), allocatable :: drag(:)
-      logical :: dragged = .false.
+      !> Damping [N s/m] and stiffness [N/m] to ground over reduced radius squared, (mass); whether any is > 0.
+      real(dp), allocatable :: drag(:), support(:)
+      logical :: grounded = .false.
       !> Pairs of masses joined by springs, with fill; stiffness [N/m] and damping [N s/m] of the springs, (slot).
       type(graph_type) :: graph
       real(dp), allocatable :: stiffness(:), damping(:)
-      !> Elements of the network that are springs of the part; whether a torque or a transmission error excites the part.
-      integer, allocatable :: element(:)
+      !> Elements of the network that are springs of the part; springs and dampers to ground; whether a torque or a transmission error excites the part.
+      integer, allocatable :: element(:), ground_element(:)
       logical :: excited = .false.
       !> Mass of each port; displacement of the mesh of the port over displacement of the mass, with sign [1], (port).
       integer, allocatable :: at(:)
@@ -53,18 +53,20 @@ module geartrain_model_part
 contains
 
    !> Makes a part without ports; parallel springs add up.
-   pure subroutine setup(self, body, mass, drag, ends, stiffness, damping)
+   pure subroutine setup(self, body, mass, drag, support, ends, stiffness, damping)
       class(part_type), intent(inout) :: self
       !> Node of the network of each mass, (mass); the two masses that each spring joins, (2, spring).
       integer, intent(in) :: body(:), ends(:, :)
-      !> Masses [kg] and damping to ground [N s/m], (mass); stiffness [N/m] and damping [N s/m] of each spring, (spring).
-      real(dp), intent(in) :: mass(:), drag(:), stiffness(:), damping(:)
+      !> Masses [kg], damping [N s/m] and stiffness [N/m] to ground, (mass); stiffness [N/m] and damping [N s/m] of each spring,
+      !> (spring).
+      real(dp), intent(in) :: mass(:), drag(:), support(:), stiffness(:), damping(:)
       integer :: n, slot
 
       self%body = body
       self%mass = mass
       self%drag = drag
-      self%dragged = any(drag > 0)
+      self%support = support
+      self%grounded = any(drag > 0 .or. support > 0)
       call self%graph%setup(size(mass), ends)
       allocate (self%stiffness(self%graph%slots), self%damping(self%graph%slots), source=0.0_dp)
       do n = 1, size(stiffness)
@@ -150,7 +152,8 @@ contains
       end do
    end subroutine subtract
 
-   !> Receptance in closed form of a part of one mass, or of two masses on a spring, without damping to ground.
+   !> Receptance in closed form of a part of one mass, or of two masses on a spring, without springs and dampers to
+   !> ground.
    pure subroutine receptance_of_two(self, omega, alpha, d_alpha)
       class(part_type), intent(in) :: self
       !> Frequency > 0 [rad/s].
@@ -208,7 +211,7 @@ contains
       integer :: i, k, n, s, t, slot
 
       spring = cmplx(self%stiffness, omega*self%damping, dp)
-      ground = cmplx(-omega**2*self%mass, omega*self%drag, dp)
+      ground = cmplx(self%support - omega**2*self%mass, omega*self%drag, dp)
       associate (graph => self%graph)
          do k = 1, graph%nodes
             i = graph%order(k)

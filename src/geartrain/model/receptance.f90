@@ -49,7 +49,7 @@ contains
          do p = 1, size(cut%part)
             associate (part => cut%part(p))
                if (size(part%at) == 0) cycle
-               if (size(part%mass) > 2 .or. part%dragged) then
+               if (size(part%mass) > 2 .or. part%grounded) then
                   call add_part(part, omega, d_omega, wanted, r)
                else
                   if (wanted) then
@@ -154,6 +154,7 @@ contains
       associate (cut => system%cut, network => system%network)
          do j = 1, size(system%torque)
             associate (node => network%node(system%torque_body(j)))
+               if (node == 0) cycle
                if (cut%home(node) == p) force(cut%mass(node)) = force(cut%mass(node)) + amplitude_at(system%torque(j), harmonic, &
                                                                                                   eta)/network%radius(node)
             end associate
@@ -166,7 +167,7 @@ contains
                amplitude = amplitude_at(system%transmission_error(j), harmonic, eta)
                if (.not. abs(amplitude) > 0) cycle
                ! The mesh pushes its bodies apart along the line of action.
-               masses = cut%mass([element%from, element%to])
+               masses = cut%mass(element%node)
                push = abs(cut%scale(n))*[-1, 1]
                force(masses) = force(masses) + push*cmplx(element%stiffness, omega*element%damping, dp)*amplitude
                d_force(masses) = d_force(masses) + push*cmplx(0, element%damping, dp)*amplitude
@@ -196,8 +197,8 @@ contains
       associate (cut => system%cut)
          do k = 1, size(cut%part)
             associate (part => cut%part(k))
-               if (size(part%mass) == 1 .and. .not. part%dragged) cycle
-               if (size(part%mass) == 2 .and. .not. part%dragged) then
+               if (size(part%mass) == 1 .and. .not. part%grounded) cycle
+               if (size(part%mass) == 2 .and. .not. part%grounded) then
                   call displace_two(system, k, omega, harmonic, eta, phi, p)
                   cycle
                end if
@@ -216,11 +217,9 @@ contains
                   if (system%element_mesh(n) > 0) &
                      p(n) = p(n) + amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
                end do
-               do n = merge(system%coordinates, system%elements + 1, part%dragged), system%elements
-                  associate (element => system%network%elements(n))
-                     if (.not. element%grounded) cycle
-                     if (cut%home(element%from) == k) p(n) = x(cut%mass(element%from))
-                  end associate
+               do i = 1, size(part%ground_element)
+                  n = part%ground_element(i)
+                  p(n) = cut%scale(n)*x(cut%mass(system%network%elements(n)%node(1)))
                end do
                deallocate (x, dx, difference)
             end associate

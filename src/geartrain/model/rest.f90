@@ -6,7 +6,8 @@ module geartrain_model_rest
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_model_network, only: element_type, network_type
+   use geartrain_model_elements, only: element_type
+   use geartrain_model_network, only: network_type
    implicit none (type, external)
    private
    public :: rest_forces, largest_residual
@@ -32,18 +33,20 @@ contains
       !> Largest misfit of the displacements round a loop, beyond the gaps of unloaded meshes, over the sum of their magnitudes [1].
       !> The forces are valid where it is below `largest_residual`.
       real(dp), intent(out) :: residual
-      type(element_type) :: elements(count(.not. network%elements%grounded))
-      real(dp) :: elastic(size(elements))
+      integer, allocatable :: elastic(:)
+      real(dp), allocatable :: own(:)
+      integer :: n
 
-      elements = pack(network%elements, .not. network%elements%grounded)
+      elastic = pack([(n, n=1, size(force))], network%elements%elastic)
       residual = 0
+      force = 0
       associate (tree => network%displacements)
-         elastic(:tree) = tree_forces(network)
-         elastic(tree + 1:) = 0
-         if (size(elements) > tree) &
-            call share_force(network%loop(:size(elements) - tree, :tree), elements, law, length, elastic, residual)
+         force(:tree) = tree_forces(network)
+         if (size(elastic) == tree) return
+         own = force(elastic)
+         call share_force(network%loop(:size(elastic) - tree, :tree), network%elements(elastic), law, length, own, residual)
+         force(elastic) = own
       end associate
-      force = unpack(elastic, .not. network%elements%grounded, 0.0_dp)
    end subroutine rest_forces
 
    !> Finds the compliance [m/N] of each element on the flank that bears its force, and the displacement at which this flank begins
@@ -156,59 +159,85 @@ contains
 
    end subroutine share_force
 
-   !> Mean forces of the elements of the tree [N], (displacement): a node with a single open element gives the force of this
-   !> element.
+   !> Mean forces of the independent elements [N], (displacement): a node with a single open element gives the force of this
+   !> element. Elements that no such node is left for are solved for together.
    pure function tree_forces(network) result(force)
       type(network_type), intent(in) :: network
-      real(dp) :: force(network%displacements), torque(size(network%torque)), magnitude(size(network%torque)), ratio
-      integer :: open_elements(size(network%torque)), waiting(size(network%torque)), n, other, last
-      logical :: done(size(force))
+      real(dp) :: force(network%displacements), torque(size(network%torque)), magnitude(size(network%torque))
+      integer :: open_elements(size(network%torque)), waiting(size(network%torque)), i, n, node, last
+      logical :: done(size(force)), free(size(network%torque))
 
       torque = network%torque
       magnitude = network%magnitude
       force = 0
       done = .false.
+      free = .true.
+      free(pack(network%node(network%balancing), network%node(network%balancing) > 0)) = .false.
       open_elements = 0
       do n = 1, size(force)
-         associate (element => network%elements(n))
-            open_elements([element%from, element%to]) = open_elements([element%from, element%to]) + 1
+         associate (nodes => network%elements(n)%node)
+            open_elements(nodes) = open_elements(nodes) + 1
          end associate
       end do
-      last = 0
-      do n = 1, size(torque)
-         if (open_elements(n) /= 1 .or. n == network%balancing) cycle
-         last = last + 1
-         waiting(last) = n
-      end do
+      waiting(:count(free .and. open_elements == 1)) = pack([(i, i=1, size(free))], free .and. open_elements == 1)
+      last = count(free .and. open_elements == 1)
       do while (last > 0)
-         associate (body => waiting(last))
-            if (abs(torque(body)) <= 4*size(torque)*epsilon(1.0_dp)*magnitude(body)) torque(body) = 0
-            do n = 1, size(force)
-               if (.not. done(n) .and. any([network%elements(n)%from, network%elements(n)%to] == body)) exit
-            end do
-            associate (element => network%elements(n))
-               if (element%from == body) then
-                  other = element%to
-                  ratio = element%radius(2)/element%radius(1)
-                  force(n) = torque(body)/element%radius(1)
-                  torque(other) = torque(other) + force(n)*element%radius(2)
-               else
-                  other = element%from
-                  ratio = element%radius(1)/element%radius(2)
-                  force(n) = -torque(body)/element%radius(2)
-                  torque(other) = torque(other) - force(n)*element%radius(1)
-               end if
-               magnitude(other) = magnitude(other) + ratio*magnitude(body)
-            end associate
-         end associate
+         node = waiting(last)
+         last = last - 1
+         if (open_elements(node) /= 1) cycle
+         if (abs(torque(node)) <= 4*size(torque)*epsilon(1.0_dp)*magnitude(node)) torque(node) = 0
+         do n = 1, size(force)
+            if (.not. done(n) .and. any(network%elements(n)%node == node)) exit
+         end do
          done(n) = .true.
-         open_elements(other) = open_elements(other) - 1
-         if (open_elements(other) == 1 .and. other /= network%balancing) then
-            waiting(last) = other
-         else
-            last = last - 1
-         end if
+         associate (element => network%elements(n))
+            force(n) = torque(node)/element%entry_at(node)
+            do i = 1, size(element%node)
+               associate (other => element%node(i))
+                  open_elements(other) = open_elements(other) - 1
+                  if (other == node) cycle
+                  torque(other) = torque(other) - force(n)*element%entry(i)
+                  magnitude(other) = magnitude(other) + abs(element%entry(i)/element%entry_at(node))*magnitude(node)
+                  if (open_elements(other) /= 1 .or. .not. free(other)) cycle
+                  last = last + 1
+                  waiting(last) = other
+               end associate
+            end do
+         end associate
+         free(node) = .false.
       end do
+      if (.not. all(done)) call solve_rest(network, done, free .and. open_elements > 0, torque, magnitude, force)
    end function tree_forces
+
+   !> Solves for the forces of the elements that are left; below the rounding of the torques they are 0.
+   pure subroutine solve_rest(network, done, free, torque, magnitude, force)
+      type(network_type), intent(in) :: network
+      !> Elements whose forces are known; nodes whose torques are used.
+      logical, intent(in) :: done(:), free(:)
+      !> Torques that the elements bear [N m], and the scale of their rounding, (node).
+      real(dp), intent(in) :: torque(:), magnitude(:)
+      real(dp), intent(inout) :: force(:)
+      real(dp) :: matrix(count(free), count(.not. done)), solved(count(free), count(free) + 1)
+      integer :: nodes(count(free)), elements(count(.not. done)), pivot(count(free)), i, info, n
+
+      nodes = pack([(i, i=1, size(free))], free)
+      elements = pack([(i, i=1, size(done))], .not. done)
+      do n = 1, size(elements)
+         matrix(:, n) = [(network%elements(elements(n))%entry_at(nodes(i)), i=1, size(nodes))]
+      end do
+      ! The inverse tells how the rounding of each torque gets into each force.
+      solved = 0
+      do i = 1, size(nodes)
+         solved(i, i) = 1
+      end do
+      solved(:, size(nodes) + 1) = torque(nodes)
+      call factor_matrix(size(nodes), matrix, pivot, info)
+      call solve_factored(size(nodes), size(nodes) + 1, matrix, pivot, solved)
+      do n = 1, size(elements)
+         force(elements(n)) = solved(n, size(nodes) + 1)
+         if (abs(force(elements(n))) <= 16*size(torque)*epsilon(1.0_dp)*sum(abs(solved(n, :size(nodes)))*magnitude(nodes))) &
+            force(elements(n)) = 0
+      end do
+   end subroutine solve_rest
 
 end module geartrain_model_rest

@@ -193,7 +193,8 @@ contains
       real(dp) :: inertia(size(radius)), torque(size(radius))
       logical :: known(size(radius)), changed
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
-      integer :: balancing, i
+      integer, allocatable :: balancing(:)
+      integer :: i
 
       call find_ends(train, shaft_ends, mesh_ends)
       known = .false.

@@ -129,22 +129,25 @@ contains
       !> The matrices.
       type(pencil_type), intent(out) :: pencil
       real(dp) :: weight
-      integer :: n, slot
+      integer :: i, j, n, slot
 
       associate (elements => system%network%elements)
          pencil%inertia = system%network%inertia
-         call pencil%graph%setup(size(pencil%inertia), reshape([(elements(n)%from, elements(n)%to, n=1, size(elements))], &
-                                                               [2, size(elements)]))
+         call pencil%graph%setup(size(pencil%inertia), reshape([((elements(n)%node(i), elements(n)%node(j), j=1, i - 1), &
+            i=1, size(elements(n)%node)), n=1, size(elements))], [2, sum([(size(elements(n)%node)*(size(elements(n)%node) - 1)/2, &
+                                                                        n=1, size(elements))])]))
          allocate (pencil%stiffness(pencil%graph%entries), source=0.0_dp)
          do n = 1, size(elements)
             weight = factor(n)*system%stiffness(n)/system%characteristic_frequency**2
-            associate (from => elements(n)%from, to => elements(n)%to, radius => elements(n)%radius, k => pencil%stiffness)
-               k(from) = k(from) + weight*radius(1)**2
-               if (from == to) cycle
-               k(to) = k(to) + weight*radius(2)**2
-               slot = pencil%graph%entry_of(from, to)
-               if (slot > pencil%graph%nodes + pencil%graph%slots) slot = slot - pencil%graph%slots
-               k(slot) = k(slot) - weight*radius(1)*radius(2)
+            associate (node => elements(n)%node, entry => elements(n)%entry, k => pencil%stiffness)
+               do i = 1, size(node)
+                  k(node(i)) = k(node(i)) + weight*entry(i)**2
+                  do j = 1, i - 1
+                     slot = pencil%graph%entry_of(node(j), node(i))
+                     if (slot > pencil%graph%nodes + pencil%graph%slots) slot = slot - pencil%graph%slots
+                     k(slot) = k(slot) + weight*entry(i)*entry(j)
+                  end do
+               end do
             end associate
          end do
       end associate

@@ -78,7 +78,7 @@ module geartrain_model_system
 contains
 
    !> Makes the dimensionless system of a train.
-   pure subroutine build_system(given, system, acceleration, unknown, order)
+   pure subroutine build_system(given, system, acceleration, unknown, like)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: given
       !> The system.
@@ -89,8 +89,8 @@ contains
       real(dp), intent(in), optional :: acceleration
       !> Meshes that are unknowns of a balance even without backlash and variation of their stiffness, (mesh).
       logical, intent(in), optional :: unknown(:)
-      !> `order` of the network of a train that differs in numbers only: the elements are taken in the same order.
-      integer, intent(in), optional :: order(:)
+      !> Network of a train that differs in numbers only: the elements are taken in the same order.
+      type(network_type), intent(in), optional :: like
       type(train_type) :: train
       type(kinematics_type) :: kinematics
       integer :: i, j, n
@@ -103,7 +103,7 @@ contains
       system%characteristic_length = train%characteristic_length
       system%half_backlash = train%meshes%half_backlash/train%characteristic_length
       call put_excitation(train, system)
-      call build_network(train, system%network, unknown, order)
+      call build_network(train, system%network, unknown, like)
       if (present(acceleration)) then
          call find_kinematics(given, kinematics)
          if (kinematics%known) call accelerate(system%network, kinematics%speed_body, &
@@ -114,7 +114,7 @@ contains
          system%coordinates = system%network%coordinates
          system%displacements = system%network%displacements
          system%states = system%displacements + system%coordinates
-         system%spring = merge(0.0_dp, 1.0_dp, elements%grounded)
+         system%spring = merge(1.0_dp, 0.0_dp, elements%elastic)
          system%element_mesh = elements%mesh
          system%element_shaft = elements%shaft
          system%stiffness = elements%stiffness
@@ -136,9 +136,12 @@ contains
       call find_torque_paths(train, system%network, system%torque_body, system%torque_paths)
       call cut_network(system%network, system%cut)
       call mean_rows(system%network, system%cut, system%static_force, system%mean)
+      do i = 1, size(system%torque)
+         associate (node => system%network%node(system%torque_body(i)))
+            if (node > 0 .and. size(system%torque(i)%amplitude) > 0) system%cut%part(system%cut%home(node))%excited = .true.
+         end associate
+      end do
       do n = 1, size(system%cut%part)
-         system%cut%part(n)%excited = any([(size(system%torque(i)%amplitude) > 0 .and. &
-            system%cut%home(system%network%node(system%torque_body(i))) == n, i=1, size(system%torque))])
          do i = 1, size(system%cut%part(n)%element)
             j = system%element_mesh(system%cut%part(n)%element(i))
             if (j == 0) cycle
@@ -162,11 +165,13 @@ contains
          system%first(n) = count + 1
          do m = 1, size(system%torque)
             associate (node => network%node(system%torque_body(m)))
-               system%torque_gain(n, m) = radius(n, node)/(network%inertia(node)*system%characteristic_frequency**2)
+               system%torque_gain(n, m) = 0
+               if (node > 0) system%torque_gain(n, m) = network%elements(n)%entry_at(node) &
+                                                        /(network%inertia(node)*system%characteristic_frequency**2)
             end associate
          end do
          do m = 1, system%elements
-            if (.not. touch(n, m)) cycle
+            if (.not. network%elements(n)%touches(network%elements(m))) cycle
             w = inverse_inertia(n, m)*system%stiffness(m)/system%characteristic_frequency**2
             if (m == n) then
                system%own(n) = w
@@ -189,34 +194,18 @@ contains
 
    contains
 
-      pure logical function touch(n, m)
-         integer, intent(in) :: n, m
-
-         associate (a => network%elements(n), b => network%elements(m))
-            touch = a%from == b%from .or. a%from == b%to .or. a%to == b%from .or. a%to == b%to
-         end associate
-      end function touch
-
       !> B_n I^-1 B_m [1/kg].
       pure real(dp) function inverse_inertia(n, m)
          integer, intent(in) :: n, m
+         integer :: i
 
+         inverse_inertia = 0
          associate (a => network%elements(n))
-            inverse_inertia = a%radius(1)*radius(m, a%from)/network%inertia(a%from) &
-                              - a%radius(2)*radius(m, a%to)/network%inertia(a%to)
+            do i = 1, size(a%node)
+               inverse_inertia = inverse_inertia + a%entry(i)*network%elements(m)%entry_at(a%node(i))/network%inertia(a%node(i))
+            end do
          end associate
       end function inverse_inertia
-
-      !> B(m, body) [m].
-      pure real(dp) function radius(m, body)
-         integer, intent(in) :: m, body
-
-         radius = 0
-         associate (element => network%elements(m))
-            if (element%from == body) radius = radius + element%radius(1)
-            if (element%to == body) radius = radius - element%radius(2)
-         end associate
-      end function radius
 
    end subroutine couple
 

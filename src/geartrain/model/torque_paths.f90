@@ -4,7 +4,7 @@
 module geartrain_model_torque_paths
    use geartrain_base_kinds, only: dp
    use geartrain_model_bodies, only: bodies_of, body_count, find_ends
-   use geartrain_model_network, only: network_type
+   use geartrain_model_network, only: balance_torques, network_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
@@ -40,13 +40,12 @@ contains
       type(torque_paths_type), intent(out) :: paths
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), element_of(:)
       real(dp), dimension(body_count(train)) :: inertia, torque, weight
-      integer :: balancing, s, n
+      integer, allocatable :: balancing(:)
+      integer :: s, n
 
       call bodies_of(train, inertia, torque, balancing)
-      ! The mean torque that balances the others, in the balance of power.
-      torque = torque - inertia*network%acceleration(network%node)
-      torque(balancing) = 0
-      torque(balancing) = -network%radius(network%node(balancing))*sum(torque/network%radius(network%node))
+      where (network%node > 0) torque = torque - inertia*network%acceleration(max(1, network%node))
+      call balance_torques(network, torque)
       call find_ends(train, shaft_ends, mesh_ends)
       paths%shafts = size(train%shafts)
       allocate (element_of(paths%shafts), source=0)
@@ -62,11 +61,11 @@ contains
          paths%torque_first(s) = size(paths%torque) + 1
          if (element_of(s) > 0) then
             paths%element = [paths%element, element_of(s)]
-            paths%gain = [paths%gain, network%elements(element_of(s))%radius(1)]
+            paths%gain = [paths%gain, network%elements(element_of(s))%radius]
          else
             call find_weights(train, network, shaft_ends, s, inertia, weight, paths%known(s))
             paths%constant(s) = sum(weight*torque)
-            if (paths%known(s)) call add_rigid(train, network, shaft_ends, mesh_ends, torque_body, weight, paths)
+            if (paths%known(s)) call add_rigid(train, network, torque_body, weight, paths)
          end if
       end do
       paths%first(paths%shafts + 1) = size(paths%element) + 1
@@ -75,11 +74,11 @@ contains
    end subroutine find_torque_paths
 
    !> Adds what acts on the bodies of the node of a rigid shaft.
-   pure subroutine add_rigid(train, network, shaft_ends, mesh_ends, torque_body, weight, paths)
+   pure subroutine add_rigid(train, network, torque_body, weight, paths)
       type(train_type), intent(in) :: train
       type(network_type), intent(in) :: network
-      !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh); body of each fluctuating torque.
-      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :), torque_body(:)
+      !> Body of each fluctuating torque.
+      integer, intent(in) :: torque_body(:)
       !> See `find_weights`, (body).
       real(dp), intent(in) :: weight(:)
       type(torque_paths_type), intent(inout) :: paths
@@ -90,18 +89,17 @@ contains
 
       do k = 1, size(gain)
          associate (element => network%elements(k))
-            if (element%grounded) then
-               ! The damping of a node is that of its bodies.
-               gain(k) = -element%radius(1)*sum(weight*train%bodies%damping_to_ground, network%node == element%from) &
-                         /network%damping(element%from)
-               acts(k) = any(network%node == element%from .and. abs(weight) > 0)
-               cycle
-            else if (element%mesh > 0) then
-               gain(k) = dot_product([-1, 1]*element%radius, weight(mesh_ends(:, element%mesh)))
+            if (element%shaft + element%mesh > 0) then
+               gain(k) = -sum(element%entry*weight(element%body))
+               acts(k) = abs(gain(k)) > 0
             else
-               gain(k) = dot_product([-1, 1]*element%radius, weight(shaft_ends(:, element%shaft)))
+               ! What holds or damps a node holds or damps its bodies.
+               associate (node => element%node(1))
+                  gain(k) = -element%entry(1)*sum(weight*merge(train%bodies%stiffness_to_ground, train%bodies%damping_to_ground, &
+                     element%elastic), network%node == node)/merge(network%support(node), network%damping(node), element%elastic)
+                  acts(k) = any(network%node == node .and. abs(weight) > 0)
+               end associate
             end if
-            acts(k) = abs(gain(k)) > 0
          end associate
       end do
       paths%element = [paths%element, pack([(k, k=1, size(gain))], acts)]
@@ -127,6 +125,9 @@ contains
       logical :: side(size(inertia)), here(size(inertia)), changed
       integer :: i
 
+      weight = 0
+      known = network%node(shaft_ends(1, shaft)) > 0
+      if (.not. known) return
       here = network%node == network%node(shaft_ends(1, shaft))
       side = .false.
       side(shaft_ends(1, shaft)) = .true.
@@ -143,7 +144,6 @@ contains
          end do
       end do
       known = .not. side(shaft_ends(2, shaft))
-      weight = 0
       where (here) weight = merge(1.0_dp, 0.0_dp, side) - sum(inertia, side)/sum(inertia, here)
    end subroutine find_weights
 

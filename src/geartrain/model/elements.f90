@@ -1,0 +1,204 @@
+!> The elements of a train as rows of its nodes: shafts, meshes, springs and dampers to ground. A new kind of element is one more
+!> procedure here.
+module geartrain_model_elements
+   use geartrain_base_kinds, only: dp
+   use geartrain_model_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_model_nodes, only: nodes_type
+   use geartrain_model_rows, only: row_type
+   use geartrain_model_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: element_type, list_elements, radius_at, vibrating
+
+   !> A shaft, a mesh, or a spring or damper to ground.
+   type, extends(row_type) :: element_type
+      !> Number of the shaft or of the mesh in the train; 0 where the element is none.
+      integer :: shaft = 0, mesh = 0
+      !> Bodies of the entries of a shaft or mesh, (entry).
+      integer, allocatable :: body(:)
+      !> Torque of a shaft per force along the line of action [m].
+      real(dp) :: radius = 0
+      !> Stiffness [N/m] and damping [N s/m] along the line of action.
+      real(dp) :: stiffness = 0, damping = 0
+      !> An unknown of the harmonic balance: a mesh with backlash or a varying stiffness, or an element of more than two entries.
+      logical :: unknown = .false.
+      !> .false.: a damper to ground. Its displacement is the vibration of the node; the stiffness only is the unit of the force.
+      logical :: elastic = .true.
+   end type element_type
+
+contains
+
+   !> Lists elastic shafts and meshes in the order shaft 1, mesh 1, shaft 2, ..., then springs and dampers to ground.
+   pure subroutine list_elements(train, nodes, elements)
+      type(train_type), intent(in) :: train
+      class(nodes_type), intent(in) :: nodes
+      type(element_type), allocatable, intent(out) :: elements(:)
+      real(dp), dimension(body_count(train)) :: inertia, torque
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), balancing(:)
+      integer :: i, n
+
+      call bodies_of(train, inertia, torque, balancing)
+      call find_ends(train, shaft_ends, mesh_ends)
+      allocate (elements(size(train%meshes) + count(.not. train%shafts%rigid) + count(nodes%support > 0) &
+                         + count(nodes%damping > 0)))
+      n = 0
+      do i = 1, max(size(train%shafts), size(train%meshes))
+         if (i <= size(train%shafts)) then
+            if (.not. train%shafts(i)%rigid) then
+               n = n + 1
+               call make_shaft(train, nodes, i, shaft_ends(:, i), mesh_ends, inertia, elements(n))
+            end if
+         end if
+         if (i > size(train%meshes)) cycle
+         n = n + 1
+         call make_mesh(train, nodes, i, mesh_ends(:, i), inertia, elements(n))
+      end do
+      do i = 1, size(nodes%inertia)
+         if (.not. nodes%support(i) > 0) cycle
+         n = n + 1
+         elements(n)%node = [i]
+         ! Along the line of action of an element there, as far as any is.
+         elements(n)%entry = [radius_at(elements(:n - 1), i)]
+         elements(n)%body = [integer ::]
+         elements(n)%stiffness = nodes%support(i)/elements(n)%entry(1)**2
+      end do
+      do i = 1, size(nodes%inertia)
+         if (.not. nodes%damping(i) > 0) cycle
+         n = n + 1
+         elements(n)%node = [i]
+         elements(n)%entry = [1.0_dp]
+         elements(n)%body = [integer ::]
+         elements(n)%elastic = .false.
+      end do
+   end subroutine list_elements
+
+   !> Magnitude of the entry of the first element at a node [m]; 1 where there is none.
+   pure real(dp) function radius_at(elements, node)
+      type(element_type), intent(in) :: elements(:)
+      integer, intent(in) :: node
+      integer :: i, n
+
+      radius_at = 1
+      do n = 1, size(elements)
+         i = findloc(elements(n)%node, node, 1)
+         if (i == 0) cycle
+         radius_at = abs(elements(n)%entry(i))
+         return
+      end do
+   end function radius_at
+
+   !> Sets the row of an element from its bodies: the bodies of a node share an entry, and a held body has none.
+   pure subroutine put_row(nodes, bodies, entries, element)
+      class(nodes_type), intent(in) :: nodes
+      !> Bodies, and displacement per rotation of each [m], (entry).
+      integer, intent(in) :: bodies(:)
+      real(dp), intent(in) :: entries(:)
+      type(element_type), intent(inout) :: element
+      logical :: moves(size(bodies))
+
+      moves = nodes%node(bodies) > 0
+      element%body = pack(bodies, moves)
+      element%node = nodes%node(element%body)
+      element%entry = pack(entries, moves)
+      element%unknown = element%unknown .or. size(element%node) > 2
+   end subroutine put_row
+
+   pure subroutine make_shaft(train, nodes, i, ends, mesh_ends, inertia, element)
+      type(train_type), intent(in) :: train
+      class(nodes_type), intent(in) :: nodes
+      !> Number of the shaft; its two bodies; the two bodies of each mesh, (2, mesh).
+      integer, intent(in) :: i, ends(2), mesh_ends(:, :)
+      !> Of the bodies [kg m^2], (body).
+      real(dp), intent(in) :: inertia(:)
+      type(element_type), intent(inout) :: element
+
+      element%shaft = i
+      element%radius = base_radius(train, measuring_gear(nodes%node, mesh_ends, nodes%node(ends)))
+      call put_row(nodes, ends, element%radius*[1, -1], element)
+      associate (shaft => train%shafts(i))
+         element%stiffness = shaft%stiffness/element%radius**2
+         element%damping = 2*shaft%damping_ratio*sqrt(shaft%stiffness/sum(1/vibrating(nodes, inertia, ends, &
+                                                                                                  allocated(train%bodies))))
+         if (shaft%damping_given) element%damping = shaft%damping
+         element%damping = element%damping/element%radius**2
+      end associate
+   end subroutine make_shaft
+
+   pure subroutine make_mesh(train, nodes, i, ends, inertia, element)
+      type(train_type), intent(in) :: train
+      class(nodes_type), intent(in) :: nodes
+      !> Number of the mesh; its two bodies.
+      integer, intent(in) :: i, ends(2)
+      !> Of the bodies [kg m^2], (body).
+      real(dp), intent(in) :: inertia(:)
+      type(element_type), intent(inout) :: element
+
+      element%mesh = i
+      associate (mesh => train%meshes(i), radii => [train%meshes(i)%driving_radius, train%meshes(i)%driven_radius])
+         element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
+         call put_row(nodes, ends, radii*[1, -1], element)
+         element%stiffness = mesh%stiffness
+         element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(radii**2/vibrating(nodes, inertia, ends, .true.)))
+         if (mesh%damping_given) element%damping = mesh%damping
+      end associate
+
+   contains
+
+      pure logical function varies(amplitude)
+         real(dp), allocatable, intent(in) :: amplitude(:)
+
+         varies = .false.
+         if (allocated(amplitude)) varies = any(abs(amplitude) > 0)
+      end function varies
+
+   end subroutine make_mesh
+
+   !> Inertias at the ends of an element to which its damping ratio refers [kg m^2]: the inertia of each body as given. A body
+   !> without inertia, and a shaft end of a train without &body, counts with all bodies that are rigidly joined to it; a held body
+   !> does not move.
+   pure function vibrating(nodes, inertia, ends, own)
+      !> The nodes.
+      class(nodes_type), intent(in) :: nodes
+      !> Of the bodies [kg m^2], (body).
+      real(dp), intent(in) :: inertia(:)
+      !> The two bodies.
+      integer, intent(in) :: ends(2)
+      !> The inertias of the bodies themselves count.
+      logical, intent(in) :: own
+      real(dp) :: vibrating(2)
+      integer :: i
+
+      vibrating = huge(1.0_dp)
+      do i = 1, 2
+         if (nodes%node(ends(i)) > 0) vibrating(i) = nodes%inertia(nodes%node(ends(i)))
+         if (own .and. nodes%node(ends(i)) > 0 .and. inertia(ends(i)) > 0) vibrating(i) = inertia(ends(i))
+      end do
+   end function vibrating
+
+   !> The gear along whose base radius the twist of a shaft is measured, as mesh and end (1: driving): a driving gear on one of the
+   !> nodes of the shaft; else a driven gear there; else the first driving gear.
+   pure function measuring_gear(node, mesh_ends, nodes) result(gear)
+      !> Node of each body; the two bodies of each mesh, (2, mesh); the two nodes of the shaft.
+      integer, intent(in) :: node(:), mesh_ends(:, :), nodes(2)
+      integer :: gear(2), i, side
+
+      gear = 1
+      do side = 2, 1, -1
+         do i = size(mesh_ends, 2), 1, -1
+            if (any(nodes > 0 .and. nodes == node(mesh_ends(side, i)))) gear = [i, side]
+         end do
+      end do
+   end function measuring_gear
+
+   !> Base radius [m] of a gear that `measuring_gear` gives.
+   pure real(dp) function base_radius(train, gear)
+      !> A plain train.
+      type(train_type), intent(in) :: train
+      !> Mesh and end.
+      integer, intent(in) :: gear(2)
+
+      base_radius = train%meshes(gear(1))%driving_radius
+      if (gear(2) == 2) base_radius = train%meshes(gear(1))%driven_radius
+   end function base_radius
+
+end module geartrain_model_elements
