@@ -7,7 +7,7 @@ module geartrain_model_gradient
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_modal_damping, only: resolve_damping
    use geartrain_model_mode_rates, only: mode_shapes_type
-   use geartrain_model_network, only: locks
+   use geartrain_model_network_loops, only: locks
    use geartrain_model_parameter, only: find_parameters, variation
    use geartrain_model_parameter_effect, only: has_effect
    use geartrain_model_parameter_table, only: add_to_parameter, parameter_type, table_type

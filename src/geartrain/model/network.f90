@@ -9,11 +9,7 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, element_type, accelerate, base_radius, build_network, join_rigid, locks, measuring_gear, state_count, &
-      stiffening, vibrating
-
-   !> Largest difference from 1 of the product of the ratios round a loop [1].
-   real(dp), parameter :: rounding = 1e-9_dp
+   public :: network_type, element_type, accelerate, build_network, join_rigid, state_count, vibrating
 
    !> A shaft or a mesh with the displacement p = radius(1) theta_from - radius(2) theta_to; or damping to ground.
    type :: element_type
@@ -413,43 +409,6 @@ contains
       end function gain
 
    end subroutine find_loops
-
-   !> Factor >= 1 by which loops stiffen each element, (element): a soft element beside stiff elements follows their motion.
-   pure function stiffening(network) result(factor)
-      !> Network from `build_network`.
-      type(network_type), intent(in) :: network
-      real(dp) :: factor(size(network%elements)), share(size(network%elements)), others
-      integer :: i, m, n
-
-      factor = 1
-      do i = 1, size(network%loop, 1)
-         if (network%elements(network%coordinates + i)%grounded) cycle
-         share = 0
-         share(:network%coordinates) = -network%loop(i, :)
-         share(network%coordinates + i) = 1
-         do n = 1, size(share)
-            if (.not. abs(share(n)) > 0) cycle
-            ! Compliance of the other elements of the loop over the compliance of this element.
-            others = sum(share**2*(network%elements(n)%stiffness/network%elements%stiffness), [(m, m=1, size(share))] /= n)
-            factor(n) = max(factor(n), 1 + share(n)**2/max(others, tiny(others)))
-         end do
-      end do
-   end function stiffening
-
-   !> Whether the ratios round a loop do not multiply to 1: its gears lock.
-   pure logical function locks(network)
-      !> Network from `build_network`.
-      type(network_type), intent(in) :: network
-      integer :: n
-
-      locks = .false.
-      do n = network%displacements + 1, size(network%elements)
-         associate (element => network%elements(n), radius => network%radius)
-            if (element%grounded) cycle
-            locks = locks .or. abs(element%radius(1)*radius(element%to)/(element%radius(2)*radius(element%from)) - 1) > rounding
-         end associate
-      end do
-   end function locks
 
    !> Finds the reduced radii; the first node of the first element has the radius of this element.
    pure subroutine find_radii(network)

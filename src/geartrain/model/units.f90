@@ -2,7 +2,7 @@
 !> tolerances, guards and random starts so depend neither on characteristic values nor on the size of a train.
 module geartrain_model_units
    use geartrain_base_kinds, only: dp
-   use geartrain_model_network, only: stiffening
+   use geartrain_model_network_loops, only: stiffening
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private

@@ -211,7 +211,7 @@ contains
       rectangular = mesh%contact_ratio > 0
       call v%on_real(row('contact_ratio', '', 'gives kappa as the rectangular wave of the number of tooth pairs in contact, in &
                          &place of stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the &
-                            beginning of the cycle if the integer part of the ratio is odd, else at half the cycle', above=one, &
+                         &beginning of the cycle if the integer part of the ratio is odd, else at half the cycle', above=one, &
                          most=10*one), mesh%contact_ratio, rectangular)
       call v%on_integer(row('stiffness_harmonics', '', 'number of harmonics taken of the rectangular wave', least=one, &
                             most=1000*one), mesh%stiffness_harmonics)
