@@ -387,8 +387,8 @@ contains
          if (line_load > heavy_load) call add('the stiffness by ISO 6336-1 is for line loads up to 1600 N/mm, and it is '// &
                                               short(line_load/1000)//' N/mm')
          if (.not. line_load > 0) then
-            call add('it bears no load, for which ISO 6336-1 has no stiffness: that of a line load of 100 N/mm is taken; stiffness &
-               &[N/m] gives another, or a torque of drag on the unloaded body the load')
+            call add('it bears no load, for which ISO 6336-1 has no stiffness: the value at 100 N/mm is used; give stiffness &
+               &[N/m], or a drag torque on the unloaded body')
          else if (line_load < 0.01_dp*light_load) then
             call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads that ISO 6336-1 is for: the &
                &stiffness by its rule for light loads, (load/100 N/mm)^0.25 = '//short(light)// &

@@ -71,7 +71,7 @@ contains
                          &fundamental frequency over omega_c. Default where every mesh has teeth: Lambda is the speed in rpm', &
                          above=zero), train%characteristic_frequency, given)
       call v%on_list(row('modal_damping', '', 'damping ratios of modes 1, 2, ...; the last value holds for all higher modes. &
-                         &Shafts and meshes without damping of their own get the damping >= 0 that comes nearest to it', &
+                         &Shafts and meshes without damping of their own get dampings >= 0 that approximate these ratios', &
                          least=zero, most=one), train%modal_damping)
       word = trim(train%speed_of)
       call v%on_text(row('speed_of', '', 'name of the body whose speed is given in rpm; blank: the first body'), word)
