@@ -17,22 +17,22 @@ module options
    type(option_type), parameter :: options_known(*) = [ &
       option_type('', 'CASE.nml', 'run a case; the results go to CASE.h5'), &
       option_type('--output', 'CASE.nml --output FILE.h5', 'run a case; the results go to FILE.h5'), &
-      option_type('--resume', 'CASE.nml --resume', 'go on with a run that was killed, from FILE.h5.partial'), &
-      option_type('--force', 'CASE.nml --force', 'remove FILE.h5.partial of a run that was killed, begin anew'), &
+      option_type('--resume', 'CASE.nml --resume', 'continue a killed run from FILE.h5.partial'), &
+      option_type('--force', 'CASE.nml --force', 'remove FILE.h5.partial of a killed run, start again'), &
       option_type('--verbose', 'CASE.nml --verbose', 'run a case; the report has all peaks, jumps and ranges'), &
       option_type('', 'A.nml B.nml ...', 'run several cases, as many at a time as there are threads'), &
       option_type('--new', '--new CASE.nml', 'write a commented case to begin with'), &
-      option_type('--check', '--check CASE.nml ...', 'say what is wrong with cases, compute nothing'), &
-      option_type('--explain', '--explain CASE.nml ...', 'every number of the train, how it is derived, its source'), &
+      option_type('--check', '--check CASE.nml ...', 'check cases without computing'), &
+      option_type('--explain', '--explain CASE.nml ...', 'print every number of the train with its formula and standard'), &
       option_type('--audit', '--audit CASE.nml ...', &
                   'check points of its branches, and all special points, by shooting'), &
       option_type('--template', '--template > CASE.nml', 'a complete case, every variable explained'), &
       option_type('--reference', '--reference', 'the tables of input variables, as Markdown'), &
       option_type('--output-reference', '--output-reference', &
                   'the tables of what a results file holds, as Markdown'), &
-      option_type('--completion', '--completion bash|zsh|fish', 'what makes a shell complete all this'), &
-      option_type('--version', '--version', 'the version'), &
-      option_type('--help', '--help', 'this text')]
+      option_type('--completion', '--completion bash|zsh|fish', 'print the completion script of a shell'), &
+      option_type('--version', '--version', 'print the version'), &
+      option_type('--help', '--help', 'print this help')]
 
    character(4), parameter :: shells(*) = ['bash', 'zsh ', 'fish']
 
@@ -60,13 +60,13 @@ contains
          text = text//'   geartrain '//options_known(i)%usage(:28)//trim(options_known(i)%meaning)//newline
       end do
       text = text//newline// &
-         'Without --output the results go to the file that &output names, or else to the name of the case with .h5,'//newline// &
+         'Without --output the results go to the file that &output names, otherwise to CASE.h5'//newline// &
          'in the working directory. To have options completed in bash: source <(geartrain --completion bash)'//newline// &
          newline// &
-         'Exit status: 0 done; 2 bad input, nothing written; 3 an analysis ended early, what was computed is written;'//newline// &
-         '4 the file system failed, standard output is lost, or there is no memory. Of several cases the largest.'//newline// &
-         'An audit ends with 3 unless all is as the branches say.'//newline// &
-         'Threads: one a core, or as many as the environment variable OMP_NUM_THREADS says.'//newline
+         'Exit status: 0 done; 2 bad input, nothing written; 3 an analysis ended early, results so far are written;'//newline// &
+         '4 a file or standard output cannot be written, or there is no memory. Of several cases the largest.'//newline// &
+         'An audit ends with status 3 if it contradicts a branch.'//newline// &
+         'Threads: one per core, or OMP_NUM_THREADS.'//newline
    end subroutine help_text
 
    !> What a shell has to read to complete options, case files and results files.

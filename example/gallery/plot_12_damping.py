@@ -6,11 +6,13 @@ Damping ratios of shafts and meshes refer to the inertias at their own ends; the
 hardly any. A train can be given the damping of its modes instead, as a modal test measures it, or loss factors of its parts.
 """
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import geartrain as gt
 
-train = gt.read_case("../../namelists/reducer.nml").train
+train = gt.read_case(Path(sys.argv[0]).resolve().parents[2] / "namelists" / "reducer.nml").train
 print(train.modes())
 
 # %%

@@ -24,7 +24,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "load_inertia": Variable("load_inertia", "real", "float", 0.0, False, "Polar moment of inertia at the driven end of a chain; 0 only if the last shaft is rigid; [kg m^2]; >= 0"),
         "characteristic_length": Variable("characteristic_length", "real", "float", None, False, "Unit of the mesh displacements in results, b_c; default where every mesh has teeth: 1e-6; [m]; > 0"),
         "characteristic_frequency": Variable("characteristic_frequency", "real", "float", None, False, "Unit of the frequencies in results, omega_c: Lambda is the fundamental frequency over omega_c. Default where every mesh has teeth: Lambda is the speed in rpm; [rad/s]; > 0"),
-        "modal_damping": Variable("modal_damping", "reals", "Series", None, False, "Damping ratios of modes 1, 2, ...; the last value holds for all higher modes. Shafts and meshes without damping of their own get the damping >= 0 that comes nearest to it; >= 0 and <= 1"),
+        "modal_damping": Variable("modal_damping", "reals", "Series", None, False, "Damping ratios of modes 1, 2, ...; the last value holds for all higher modes. Shafts and meshes without damping of their own get dampings >= 0 that approximate these ratios; >= 0 and <= 1"),
         "speed_of": Variable("speed_of", "text", "str", "", False, "Name of the body whose speed is given in rpm; blank: the first body"),
     },
     "body": {

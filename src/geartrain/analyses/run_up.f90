@@ -427,9 +427,9 @@ contains
                end associate
                note = ''
                if (meshes(i)%damping_acts == 'always') &
-                  note = " and while they are apart; damping_acts = 'contact' in &mesh leaves out the latter"
-               call sheet%say(in_run_up, 'Forces against the load without contact of the other flanks are those of the mesh &
-                              &damping as teeth part'//note//'.')
+                  note = " and while they are apart; with damping_acts = 'contact' in &mesh only the first part remains"
+               call sheet%say(in_run_up, 'Forces against the load without contact of the other flanks come from the mesh &
+                              &damping while teeth separate'//note//'.')
                return
             end do
          end associate

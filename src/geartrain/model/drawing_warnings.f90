@@ -12,7 +12,8 @@ module geartrain_model_drawing_warnings
    use geartrain_model_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
    use geartrain_model_mesh, only: is_given, mesh_type, put_law
-   use geartrain_model_network, only: join_rigid, network_type, vibrating
+   use geartrain_model_elements, only: vibrating
+   use geartrain_model_nodes, only: join_rigid, nodes_type
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -388,8 +389,8 @@ contains
          if (line_load > heavy_load) call add('the stiffness by ISO 6336-1 is for line loads up to 1600 N/mm, and it is '// &
                                               short(line_load/1000)//' N/mm')
          if (.not. line_load > 0) then
-            call add('it bears no load, for which ISO 6336-1 has no stiffness: that of a line load of 100 N/mm is taken; stiffness &
-               &[N/m] gives another, or a torque of drag on the unloaded body the load')
+            call add('it bears no load, for which ISO 6336-1 has no stiffness: the value at 100 N/mm is used; give stiffness &
+               &[N/m], or a drag torque on the unloaded body')
          else if (line_load < 0.01_dp*light_load) then
             call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads that ISO 6336-1 is for: the &
                &stiffness by its rule for light loads, (load/100 N/mm)^0.25 = '//short(light)// &

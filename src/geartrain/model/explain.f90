@@ -84,14 +84,14 @@ contains
 
       if (.not. fields%enter('train', 'the train as a whole', .true.)) return
       associate (given => context%given, plain => context%plain)
-         words = source(given%characteristic_length, 'unit of displacement: 1 um where every mesh has teeth')
+         words = source(given%characteristic_length, 'unit of displacement, default of trains with teeth')
          call carry(fields, field_type('characteristic_length', '', 'm', words), plain%characteristic_length)
-         words = source(given%characteristic_frequency, 'unit of frequency: Lambda is the speed in rpm')
+         words = source(given%characteristic_frequency, 'unit of frequency, so that Lambda is the speed in rpm')
          call carry(fields, field_type('characteristic_frequency', '', 'rad/s', words), plain%characteristic_frequency)
          if (context%toothed) then
             call tell_fundamental(context, words)
-            call carry_text(fields, field_type('fundamental', '', '', 'all mesh frequencies are multiples of its frequency; their &
-               &greatest common divisor'), words)
+            call carry_text(fields, field_type('fundamental', '', '', 'its frequency is the greatest common divisor of all mesh &
+               &frequencies'), words)
             frequency = 1000/60.0_dp/plain%speed_ratio
             call carry(fields, field_type('fundamental_frequency', '', 'Hz', 'at 1000 rpm of '//trim(speed_name(context))//': one &
                &over its period'), frequency)
@@ -138,9 +138,9 @@ contains
                return
             end do
          end if
-         words = 'the time of '//integer_text(int(k%fundamental(2)))
+         words = integer_text(int(k%fundamental(2)))
          if (k%fundamental(1) /= 1) words = words//'/'//integer_text(int(k%fundamental(1)))
-         words = words//' turns of '
+         words = words//' of a turn of '
          if (allocated(context%given%bodies)) words = words//bodies(1)%name
          if (.not. allocated(context%given%bodies)) words = words//'the driving end'
       end associate
@@ -171,7 +171,7 @@ contains
             if (.not. has_discs(body)) then
                call find_ends(context%given, shaft_ends, mesh_ends)
                words = 'as discs of the pitch diameters, pi rho b (d^4 - bore^4)/32; gears: '// &
-                       integer_text(size(gears_of(context%given, mesh_ends, i), 2))//', equal ones in several meshes counted once'
+                       integer_text(size(gears_of(context%given, mesh_ends, i), 2))//'; a gear in several meshes counts once'
             end if
          end if
          call carry(fields, field_type('inertia', '', 'kg m^2', words), context%plain%bodies(i)%inertia)
@@ -205,7 +205,7 @@ contains
          call context%damping%explain_element('shaft', i, fields)
          n = findloc(system%element_shaft, i, 1)
          torque = system%static_force(n)*system%stiffness(n)*system%characteristic_length*system%network%elements(n)%radius
-         call carry(fields, field_type('mean_torque', '', 'N m', 'at rest, by the mean torques of the bodies'), torque)
+         call carry(fields, field_type('mean_torque', '', 'N m', 'static, from the mean torques of the bodies'), torque)
       end associate
    end subroutine explain_shaft
 
@@ -247,9 +247,10 @@ contains
             call carry(fields, field_type('centre_distance', '', 'm', words), g%centre_distance)
             angle = g%transverse_angle*180/pi
             call carry(fields, field_type('transverse_angle', '', 'degree', 'pressure angle in the transverse plane at the &
-               &reference circle, tan(alpha_n)/cos(beta)'), angle)
+               &reference circle, tan(alpha_t) = tan(alpha_n)/cos(beta)'), angle)
             angle = g%working_angle*180/pi
-            call carry(fields, field_type('working_angle', '', 'degree', 'likewise at the working pitch circle'), angle)
+            call carry(fields, field_type('working_angle', '', 'degree', 'transverse pressure angle at the working pitch &
+               &circle'), angle)
             list = g%virtual_teeth
             call carry(fields, field_type('virtual_teeth', 'gear', '1', 'z/(cos(beta_b)^2 cos(beta)), ISO 6336-1'), list)
             call carry(fields, field_type('contact_ratio', '', '1', 'transverse, path of contact over p_et, ISO 21771'), &
@@ -291,17 +292,18 @@ contains
          if (.not. mesh%backlash > 0 .and. g%distance_backlash > 0) words = words//', by the centre distance'
          call carry(fields, field_type('half_backlash', '', 'm', words), plain%half_backlash)
          words = as_given
-         if (mesh%order == 0) words = 'mesh frequency as a multiple of the fundamental, by the teeth'
+         if (mesh%order == 0) words = 'mesh frequency over the fundamental frequency, '// &
+                                      trim(merge('from the teeth', 'default       ', context%toothed))
          call carry(fields, field_type('order', '', '1', words), plain%order)
          orders = plain%order*excited(plain)
          if (size(orders) > 0) call carry(fields, field_type('excited_orders', 'harmonic', '1', 'multiples of the fundamental &
             &with an amplitude of its stiffness or transmission error'), orders)
          if (context%toothed) then
             call tell_teeth(nint(mesh%teeth), words)
-            call carry_text(fields, field_type('tooth_ratio', '', '', 'all teeth of a gear are alike here: the motion repeats with &
-               &the fundamental, not only when the teeth do'), words)
+            call carry_text(fields, field_type('tooth_ratio', '', '', 'the model has identical teeth: the motion repeats with the &
+               &fundamental, before the same teeth meet again'), words)
          end if
-         words = 'at rest, by the mean torques of the bodies'
+         words = 'static, from the mean torques of the bodies'
          if (force < 0) words = words//'; negative: the second body drives the first, and the back flanks bear the load'
          call carry(fields, field_type('mean_force', '', 'N', words), force)
       end associate

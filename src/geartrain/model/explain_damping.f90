@@ -98,7 +98,7 @@ contains
                     ', of whose strain energy it has the share '//trim(three_digits(self%found%share(n, mode)))// &
                     ' (Rao, Mechanical Vibrations, hysteretic damping)'
          else if (ratio > 0) then
-            words = '2 damping_ratio sqrt(k m) with the inertias at its two ends alone'
+            words = '2 damping_ratio sqrt(k m) with m from the inertias at its two ends only'
          else if (is_given(self%given%modal_damping)) then
             words = 'by modal_damping'
          else

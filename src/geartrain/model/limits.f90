@@ -9,7 +9,9 @@ module geartrain_model_limits
    use geartrain_model_frequency_unit, only: lambda_per
    use geartrain_model_excitation, only: lowest_harmonic
    use geartrain_model_drawing, only: plain_train
-   use geartrain_model_network, only: build_network, join_rigid, network_type, stiffening
+   use geartrain_model_elements, only: vibrating
+   use geartrain_model_network, only: build_network, network_type, stiffening
+   use geartrain_model_nodes, only: join_rigid, nodes_type
    use geartrain_model_system, only: put_excitation, system_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)

@@ -19,7 +19,8 @@ module geartrain_model_modal_damping
    use geartrain_linalg_non_negative, only: non_negative_least_squares
    use geartrain_mesh_law_law, only: law_type
    use geartrain_model_mesh, only: is_given, put_law
-   use geartrain_model_network, only: build_network, element_type, network_type
+   use geartrain_model_elements, only: element_type
+   use geartrain_model_network, only: build_network, network_type
    use geartrain_model_rest, only: rest_forces
    use geartrain_model_train, only: train_type
    implicit none (type, external)

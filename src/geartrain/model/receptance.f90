@@ -8,7 +8,7 @@ module geartrain_model_receptance
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: receptance_type, amplitude_at, find_receptance, find_sources, linear_displacements
+   public :: receptance_type, amplitude_at, find_receptance, linear_displacements
 
    type :: receptance_type
       !> H [1] and dH/dLambda [1], (entry of the graph of the unknowns); excitation a [1] and da/dLambda [1], (unknown).

@@ -71,7 +71,7 @@ contains
                          &fundamental frequency over omega_c. Default where every mesh has teeth: Lambda is the speed in rpm', &
                          above=zero), train%characteristic_frequency, given)
       call v%on_list(row('modal_damping', '', 'damping ratios of modes 1, 2, ...; the last value holds for all higher modes. &
-                         &Shafts and meshes without damping of their own get the damping >= 0 that comes nearest to it', &
+                         &Shafts and meshes without damping of their own get dampings >= 0 that approximate these ratios', &
                          least=zero, most=one), train%modal_damping)
       word = trim(train%speed_of)
       call v%on_text(row('speed_of', '', 'name of the body whose speed is given in rpm; blank: the first body'), word)
@@ -211,7 +211,7 @@ contains
       rectangular = mesh%contact_ratio > 0
       call v%on_real(row('contact_ratio', '', 'gives kappa as the rectangular wave of the number of tooth pairs in contact, in &
                          &place of stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the &
-                            beginning of the cycle if the integer part of the ratio is odd, else at half the cycle', above=one, &
+                         &beginning of the cycle if the integer part of the ratio is odd, else at half the cycle', above=one, &
                          most=10*one), mesh%contact_ratio, rectangular)
       call v%on_integer(row('stiffness_harmonics', '', 'number of harmonics taken of the rectangular wave', least=one, &
                             most=1000*one), mesh%stiffness_harmonics)

@@ -178,7 +178,7 @@ contains
          words = 'At '//words//' no motion of period '//text(branch%subharmonic)//' is stable'
          if (all(bands%undecided)) words = words//' (undecided)'
          if (any(bands%undecided) .and. .not. all(bands%undecided)) words = words//' (partly undecided)'
-         call sheet%say(in_result, words//': the forces and torques leave this out; &integration there shows the motion.')
+         call sheet%say(in_result, words//': forces and torques do not include this range; &integration over it shows the motion.')
       end if
       call say_jumps(branch, train, told, sheet)
       call say_branch_points(branch, told, sheet)
@@ -250,8 +250,8 @@ contains
                           at_end(maxloc(branch%rms(mesh, :branch%points), 1))
       end do
       call list_numbers(is_there, 'mesh', 'meshes', list)
-      if (list /= '') call sheet%say(in_result, 'Force or vibration of '//list//' is largest at the end of the range: there may be &
-                                     &more beyond.')
+      if (list /= '') call sheet%say(in_result, 'The largest force or vibration of '//list//' is at the end of the range; a larger &
+                                     &one may lie beyond.')
    end subroutine say_ends
 
    !> Adds sentences on branch points, at which other branches of the same period cross.

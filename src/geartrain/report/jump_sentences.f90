@@ -44,8 +44,8 @@ contains
          order = ascending(-[(size_of(found(i)), i=1, size(found))])
          shown(order(most + 1:)) = .false.
       end if
-      if (any(found%kind /= 'leaves')) call sheet%say(in_result, 'Jumps, with the '//trim(lengths%name)// &
-                                                      ' of the mesh that changes most:')
+      if (any(found%kind /= 'leaves')) call sheet%say(in_result, 'Jumps ('//trim(lengths%name)// &
+                                                      ', mesh with the largest change):')
       do i = 1, size(found)
          if (.not. shown(i)) cycle
          call told%with_unit(told%number(found(i)%frequency_ratio), place)
@@ -58,7 +58,7 @@ contains
             mesh = maxloc(abs(found(i)%after - found(i)%before), 1)
             words = words//' '//trim(found(i)%kind)//', mesh '//text(mesh)//' from '//trim(lengths%rms(found(i)%before(mesh))) &
                     //' to '//trim(lengths%rms(found(i)%after(mesh)))
-            if (found(i)%candidates > 1) words = words//' (nearest of '//text(found(i)%candidates)//' stable motions)'
+            if (found(i)%candidates > 1) words = words//' (the nearest of '//text(found(i)%candidates)//' stable motions)'
          end if
          if (found(i)%undecided) words = words//' (undecided)'
          call sheet%say(in_result, '  '//words)

@@ -196,7 +196,7 @@ contains
       if (any(shown) .and. plain%speed_ratio > 0) line = line//'; order: per revolution'
       if (.not. all(shown)) then
          if (line /= '') line = line//'; '
-         line = line//counted(count(.not. shown), 'smaller or unstable one', 'smaller or unstable ones')//' left out'
+         line = line//counted(count(.not. shown), 'smaller or unstable peak', 'smaller or unstable peaks')//' not listed'
       end if
       if (line /= '') call sheet%say(in_resonances, line//'.')
    end subroutine put_resonances

@@ -48,7 +48,7 @@ contains
       to = text(maxval([0.0_dp, at])*told%per_lambda)
       call told%with_unit(from, words)
       if (from /= to) call told%with_unit(from//' to '//to, words)
-      words = 'Integration in time: '//words
+      words = 'Time integration: '//words
       if (settings%direction == 'both' .and. n > 1) words = words//' up and down'
       if (settings%direction == 'down' .and. n > 1) words = words//' down'
       call sheet%add(in_head, words//', '//counted(n, 'motion', 'motions'))
@@ -56,7 +56,7 @@ contains
       do period = 1, maxval([0, motions%period])
          if (any(motions%period == period)) words = words//', '//text(count(motions%period == period))//' of period '//text(period)
       end do
-      call sheet%say(in_result, 'Integration in time'//words//':')
+      call sheet%say(in_result, 'Time integration, motions'//words//':')
       call say_motions(motions, told, train, sheet, torques)
       call say_quality(motions, sheet)
       call say_windows(train, motions, sheet)
