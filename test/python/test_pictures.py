@@ -221,8 +221,8 @@ def test_jumps_and_special_points_are_tables(branch, drawn):
     assert len(rows) == len(branch.special_points) and rows[0].split()[0] == branch.special_points[0].kind == "fold"
     assert isinstance(branch.jumps, list) and isinstance(branch.special_points, list)
     fast = drawn.response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
-    assert "speed [rpm]" in str(fast.jumps) and "rms [um] before" in str(fast.jumps) and "Lambda" not in str(fast.jumps)
-    assert "rms [um]" in str(fast.special_points) and "rms [um]" in str(fast.peaks())
+    assert "speed [rpm]" in str(fast.jumps) and "rms of the paper [um] before" in str(fast.jumps) and "Lambda" not in str(fast.jumps)
+    assert "rms of the paper [um]" in str(fast.special_points) and "rms of the paper [um]" in str(fast.peaks())
 
 
 def test_a_stability_map_in_hertz(train):
