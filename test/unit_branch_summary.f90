@@ -123,6 +123,7 @@ contains
       class(tests_type), intent(inout) :: tests
       type(branch_type) :: branch
       type(jump_type), allocatable :: found(:)
+      integer :: i
 
       branch = branch_of([0.60_dp, 0.80_dp, 0.95_dp, 0.85_dp, 0.72_dp, 0.74_dp, 0.90_dp, 1.00_dp], &
                          [0.10_dp, 0.20_dp, 0.40_dp, 0.60_dp, 0.90_dp, 1.00_dp, 0.80_dp, 0.50_dp], [1, 1, 1, 0, 0, 1, 1, 1])
@@ -144,6 +145,18 @@ contains
       call tests%is_text(trim(found(1)%kind), 'leaves', 'without another stable motion the sweep leaves the branch')
       deallocate (branch%stable)
       call tests%is_true(size(jumps(branch)) == 0, 'without stability no jumps')
+      ! Where the harmonics change a point may lie beyond the fold, and behind it an undecided point may count as stable.
+      branch = branch_of([0.60_dp, 0.80_dp, 0.9501_dp, 0.95_dp, 0.949_dp, 0.85_dp, 0.72_dp, 0.74_dp, 0.90_dp, 1.00_dp], &
+                         [0.10_dp, 0.20_dp, 0.39_dp, 0.40_dp, 0.41_dp, 0.60_dp, 0.90_dp, 1.00_dp, 0.80_dp, 0.50_dp], &
+                         [1, 1, 1, 1, 1, 0, 0, 1, 1, 1])
+      branch%undecided = [(i == 5, i=1, 10)]
+      branch%special_points = [special_point_type('fold', 0.95_dp, 4), special_point_type('fold', 0.72_dp, 7)]
+      call put_rms(branch, [0.4_dp, 0.9_dp])
+      found = jumps(branch)
+      call tests%is_true(size(found) == 2, 'two jumps of an uneven fold')
+      if (size(found) /= 2) return
+      call tests%is_true(found(2)%rising, 'rising speed jumps at an uneven fold')
+      call tests%is_close(found(2)%after(1), 0.65_dp, 1e-14_dp, 'not to the fold itself')
    end subroutine jumps_of_a_resonance
 
    !> Of two stable motions the one with the nearest rms; a loss of stability without a fold leaves the branch.

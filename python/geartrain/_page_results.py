@@ -293,7 +293,7 @@ def _name_rms(table: dict[str, Any], drawn: bool) -> None:
     columns = [place for place, heading in enumerate(table["headings"]) if heading.startswith("rms")]
     factor = float(np.sqrt(0.5)) if drawn else 1.0
     for place in columns:
-        rest = table["headings"][place].removeprefix("rms")
+        rest = table["headings"][place].removeprefix("rms of the paper")
         table["headings"][place] = f"true rms{rest}" if drawn else f"rms of the paper{rest}"
     table["rows"] = [[None if cell is None else factor * cell if place in columns else cell for place, cell in enumerate(row)]
                      for row in table["rows"]]

@@ -360,8 +360,8 @@ class Branch(Curves):
 
         Examples
         --------
-        >>> list(branch.to_dataframe().columns[:4])
-        ['frequency', 'stable', 'undecided', 'arclength']
+        >>> list(branch.to_dataframe().columns[2:4])
+        ['rms, mesh 1', 'rms, mesh 2']
         """
         points = self.to_dataset().drop_dims(["coefficient", "multiplier", "state", "complex"], errors="ignore")
         columns: dict[str, Any] = {}

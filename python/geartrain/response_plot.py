@@ -137,8 +137,8 @@ class Curves(Readings):
         quantity : str, optional
             A field with a column for each mesh or for each shaft, such as ``'rms'`` (of the paper), ``'true_ac_rms'``,
             ``'dynamic_factor'``, ``'mesh_force_maximum'``; ``'mesh_force'`` in short, ``'shaft_torque'`` for smallest and largest
-            torque, ``'peak_to_peak'`` of the displacement. Unless told ``'mesh_force'`` where Lambda is the speed in rpm, else
-            ``'rms'``.
+            torque, ``'peak_to_peak'`` of the displacement. Default: ``'shaft_torque'`` with ``shaft``, ``'mesh_force'`` where
+            Lambda is the speed in rpm, else ``'rms'``.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the frequency of a branch over frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
         jumps : bool
@@ -162,6 +162,8 @@ class Curves(Readings):
             raise InputError(f"unit = {shown(unit)}: this branch goes over {self.parameter_name}, not over frequency")
         units = units_of(self.train, unit)
         factor = 1.0 if self.parameter_name else units.per_lambda
+        if quantity is None and shaft is not None:
+            quantity = "shaft_torque"
         curves = [Quantity.of(quantity, branch.train, "/response", partial(_field, branch)) for branch in (self, *self.branches)]
         smooth = [Between(branch) for branch in (self, *self.branches)]
         columns = curves[0].chosen(mesh, shaft)

@@ -148,7 +148,7 @@ class SpecialPoints(Rows[SpecialPoint]):
         return {
             "kind": [special.kind for special in self],
             **speeds(self),
-            f"rms{self.length}": [special.rms for special in self],
+            f"rms of the paper{self.length}": [special.rms for special in self],
             "undecided": [special.undecided or None for special in self],
             "multiplicity": [special.multiplicity if special.multiplicity > 1 else None for special in self],
         }

@@ -77,7 +77,7 @@ class Peaks(Rows[Peak]):
         return {
             "mesh": [peak.mesh for peak in rows],
             **speeds(rows),
-            f"rms{self.length}": [peak.rms for peak in rows],
+            f"rms of the paper{self.length}": [peak.rms for peak in rows],
             "largest force [N]": [peak.mesh_force_maximum for peak in rows],
             "dynamic factor": [peak.dynamic_factor for peak in rows],
             "stable": [peak.stable for peak in rows],
@@ -154,7 +154,7 @@ class Jumps(Rows[Jump]):
             **speeds(self),
             "what": [jump.kind for jump in self],
             "cause": [jump.cause for jump in self],
-            f"rms{self.length} before": [jump.before for jump in self],
+            f"rms of the paper{self.length} before": [jump.before for jump in self],
             "after": [jump.after for jump in self],
             "undecided": [jump.undecided or None for jump in self],
         }

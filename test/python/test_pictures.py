@@ -46,7 +46,8 @@ def test_any_quantity_of_a_response(branch):
     with pytest.raises(gt.InputError, match=r"quantity = 'colour': must be .*'rms'.*'mesh_force'"):
         branch.plot(quantity="colour")
     with pytest.raises(gt.InputError, match="quantity = 'rms': is of each mesh"):
-        branch.plot(shaft=1)
+        branch.plot(shaft=1, quantity="rms")
+    assert "torque" in branch.plot(shaft=1).get_ylabel()
 
 
 def test_jumps_and_ranges_of_a_response(branch):
@@ -221,8 +222,9 @@ def test_jumps_and_special_points_are_tables(branch, drawn):
     assert len(rows) == len(branch.special_points) and rows[0].split()[0] == branch.special_points[0].kind == "fold"
     assert isinstance(branch.jumps, list) and isinstance(branch.special_points, list)
     fast = drawn.response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
-    assert "speed [rpm]" in str(fast.jumps) and "rms [um] before" in str(fast.jumps) and "Lambda" not in str(fast.jumps)
-    assert "rms [um]" in str(fast.special_points) and "rms [um]" in str(fast.peaks())
+    told = str(fast.jumps)
+    assert "speed [rpm]" in told and "rms of the paper [um] before" in told and "Lambda" not in told
+    assert "rms of the paper [um]" in str(fast.special_points) and "rms of the paper [um]" in str(fast.peaks())
 
 
 def test_a_stability_map_in_hertz(train):

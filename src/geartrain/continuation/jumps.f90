@@ -56,6 +56,7 @@ contains
             jump%frequency_ratio = special%frequency_ratio
             jump%cause = special%kind
             jump%rising = branch%frequency_ratio(i) < special%frequency_ratio
+            if (special%kind == 'fold') jump%rising = is_top(branch, s)
             jump%before = special%rms
             call find_destination(branch, s, jump%after, jump%point, jump%candidates, jump%undecided)
             if (.not. is_decided(branch, s, side)) jump%undecided = .true.
@@ -85,6 +86,15 @@ contains
       integer :: before, after, first, most, k
 
       side = 0
+      if (branch%special_points(s)%kind == 'fold') then
+         ! Next to a fold a multiplier is near to 1, and verdicts there are guesses.
+         before = nearest_decided(branch, s, -1)
+         after = nearest_decided(branch, s, 1)
+         if (before > 0 .and. after > 0) then
+            if (branch%stable(before) .neqv. branch%stable(after)) side = merge(-1, 1, branch%stable(before))
+            if (side /= 0) return
+         end if
+      end if
       ! A fold is a point of the branch; another special point lies between `point` and the next one.
       first = merge(1, 0, branch%special_points(s)%kind == 'fold')
       ! The balance and the monodromy matrix place a fold, or a branch point, slightly apart.
@@ -106,6 +116,29 @@ contains
          return
       end do
    end function stable_side
+
+   !> Whether Lambda is largest at fold s: by several points on both sides, since points with other harmonics may lie beyond the
+   !> fold.
+   pure logical function is_top(branch, s)
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: s
+      real(dp) :: turn
+      integer :: i, k, side
+
+      turn = 0
+      associate (fold => branch%special_points(s))
+         do side = -1, 1, 2
+            do k = 1, reach
+               i = fold%point + k*side
+               if (i < 1 .or. i > branch%points) exit
+               if (.not. joined(branch, min(i, i - side))) exit
+               turn = turn + branch%frequency_ratio(i) - fold%frequency_ratio
+               if (any(branch%special_points%kind == 'fold' .and. branch%special_points%point == i)) exit
+            end do
+         end do
+      end associate
+      is_top = turn < 0
+   end function is_top
 
    !> Whether a special point other than s, which may change stability too, lies between the points `before` and `after`.
    pure logical function another_between(branch, s, before, after) result(another)
@@ -173,27 +206,31 @@ contains
       if (.not. ends_at) ends_at = .not. joined(branch, i)
    end function ends_at
 
-   !> First and last of the points next to fold s whose chords pass its Lambda: the exact fold lies off the point where the balance
-   !> turns, and the points between the two are beyond the exact fold.
+   !> First and last of the points next to fold s that are no motions after a jump: the exact fold lies off the point where the
+   !> balance turns, the points between the two are beyond the exact fold, and up to the nearest decided points the branch is at
+   !> the fold still.
    pure function own_points(branch, s) result(own)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: s
       integer :: own(2)
-      integer :: side
+      integer :: i, side, turn
 
       associate (special => branch%special_points(s))
          own = special%point
+         turn = merge(-1, 1, is_top(branch, s))
          do side = 1, 2
-            associate (i => own(side), step => 2*side - 3)
+            associate (at => own(side), step => 2*side - 3)
                do
-                  if (i + step < 1 .or. i + step > branch%points) exit
-                  if (.not. joined(branch, min(i, i + step))) exit
-                  i = i + step
-                  ! On the side of the exact fold on which its motions are.
-                  if ((branch%frequency_ratio(i) - special%frequency_ratio) &
-                      *(branch%frequency_ratio(i) - branch%frequency_ratio(special%point)) > 0) exit
+                  if (at + step < 1 .or. at + step > branch%points) exit
+                  if (.not. joined(branch, min(at, at + step))) exit
+                  at = at + step
+                  ! On the side of the fold on which its motions are.
+                  if (turn*(branch%frequency_ratio(at) - special%frequency_ratio) > 0) exit
                end do
             end associate
+            i = nearest_decided(branch, s, 2*side - 3)
+            if (side == 1 .and. i > 0) own(1) = min(own(1), i)
+            if (side == 2 .and. i > 0) own(2) = max(own(2), i)
          end do
       end associate
    end function own_points

@@ -16,6 +16,7 @@ module geartrain_input_new_case
       "", &
       "&train", &
       "   title = 'gear reducer'                     ! title of results and pictures", &
+      "!  modal_damping = 0.02                       ! damping ratio of all modes, in place of every damping_ratio below", &
       "/", &
       "", &
       "! A body turns as one. Its inertia is the given one; without it, that of its gears as discs of steel.", &
@@ -60,7 +61,7 @@ module geartrain_input_new_case
       "   backlash            = 60e-6                ! m, along the pitch circles", &
       "   damping_ratio       = 0.08                 ! damping over critical damping, teeth in contact", &
       "   stiffness_harmonics = 3                    ! harmonics of the mesh stiffness variation", &
-      "   error_cos           = 3e-6                 ! m, transmission error, amplitude at mesh frequency", &
+      "   error_cos           = 3e-6                 ! m, transmission error, half of peak to peak, in phase with stiffness", &
       "/", &
       "", &
       "! Analyses; a group that is left out is not computed.", &
