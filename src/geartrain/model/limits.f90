@@ -175,7 +175,8 @@ contains
       do i = 1, size(train%shafts)
          associate (shaft => train%shafts(i), ends => shaft_ends(:, i))
             if (shaft%rigid) cycle
-            call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/vibrating(nodes, inertia, ends, .false.))), 'shaft', 'stiffness', shaft%stiffness, &
+            call check_element(sqrt(shaft%stiffness)*sqrt(sum(1/vibrating(nodes, 0*nodes%node*1.0_dp, ends, .false.))), 'shaft', &
+                               'stiffness', shaft%stiffness, &
                                shaft%damping_ratio, shaft%damping_given, shaft%damping, &
                                'make the shaft rigid, or give the inertias at its ends as they are')
          end associate

@@ -129,13 +129,22 @@ contains
       !> The matrices.
       type(pencil_type), intent(out) :: pencil
       real(dp) :: weight
+      integer, allocatable :: pairs(:, :)
       integer :: i, j, n, slot
 
       associate (elements => system%network%elements)
          pencil%inertia = system%network%inertia
-         call pencil%graph%setup(size(pencil%inertia), reshape([((elements(n)%node(i), elements(n)%node(j), j=1, i - 1), &
-            i=1, size(elements(n)%node)), n=1, size(elements))], [2, sum([(size(elements(n)%node)*(size(elements(n)%node) - 1)/2, &
-                                                                        n=1, size(elements))])]))
+         allocate (pairs(2, sum([(size(elements(n)%node)*(size(elements(n)%node) - 1)/2, n=1, size(elements))])))
+         slot = 0
+         do n = 1, size(elements)
+            do i = 2, size(elements(n)%node)
+               do j = 1, i - 1
+                  slot = slot + 1
+                  pairs(:, slot) = elements(n)%node([i, j])
+               end do
+            end do
+         end do
+         call pencil%graph%setup(size(pencil%inertia), pairs)
          allocate (pencil%stiffness(pencil%graph%entries), source=0.0_dp)
          do n = 1, size(elements)
             weight = factor(n)*system%stiffness(n)/system%characteristic_frequency**2
