@@ -309,9 +309,9 @@ contains
                moved = state(n)
                if (element%shaft > 0) moved = moved + system%static_force(n)
                ! A shaft is measured along a radius, the other code counts its twist.
-               moved = moved*train%characteristic_length*joint%ra/element%radius(1) - p(i)
+               moved = moved*train%characteristic_length*joint%ra/element%entry(1) - p(i)
                speed = state(system%displacements + n)*train%characteristic_length*train%characteristic_frequency &
-                       *joint%ra/element%radius(1) - v(i)
+                       *joint%ra/element%entry(1) - v(i)
                if (n == 1) known(joint%a) = .true.
                if (known(joint%a)) then
                   y(joint%b) = (joint%ra*y(joint%a) - moved)/joint%rb
@@ -326,7 +326,7 @@ contains
       end do
       if (system%coordinates == system%displacements) return
       ! All of them turn so that the body whose vibration is a state has it.
-      i = system%network%elements(system%coordinates)%from
+      i = system%network%elements(system%coordinates)%node(1)
       speed = state(system%states)*train%characteristic_length*train%characteristic_frequency - y(b + i)*system%network%radius(i)
       y(b + 1:) = y(b + 1:) + speed/system%network%radius
    end function bodies_of_state
@@ -340,7 +340,7 @@ contains
       integer :: i, n
 
       call displacements(machine, t, y, p, v)
-      associate (grounded => system%network%elements(system%coordinates)%from, b => size(machine%inertia))
+      associate (grounded => system%network%elements(system%coordinates)%node(1), b => size(machine%inertia))
          state(system%states) = y(b + grounded)*system%network%radius(grounded) &
                                 /(train%characteristic_length*train%characteristic_frequency)
       end associate
@@ -349,9 +349,9 @@ contains
             i = element%mesh + size(train%shafts)
             if (element%shaft > 0) i = element%shaft
             associate (joint => machine%joint(i), e => system%displacements)
-               state(n) = p(i)*element%radius(1)/joint%ra/train%characteristic_length
+               state(n) = p(i)*element%entry(1)/joint%ra/train%characteristic_length
                if (element%shaft > 0) state(n) = state(n) - system%static_force(n)
-               state(e + n) = v(i)*element%radius(1)/joint%ra/(train%characteristic_length*train%characteristic_frequency)
+               state(e + n) = v(i)*element%entry(1)/joint%ra/(train%characteristic_length*train%characteristic_frequency)
             end associate
          end associate
       end do

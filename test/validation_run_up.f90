@@ -207,7 +207,7 @@ contains
          more = (torque - 90*[1.0_dp, 71/23.0_dp, 71*80/(23*19.0_dp)])/train%shafts%stiffness
          do i = 1, system%displacements
             if (system%element_shaft(i) > 0) &
-               call tests%is_close(found%state(i), more(system%element_shaft(i))*system%network%elements(i)%radius(1)/1e-6_dp, &
+               call tests%is_close(found%state(i), more(system%element_shaft(i))*system%network%elements(i)%radius/1e-6_dp, &
                                    1e-7_dp, name//': twist of a shaft')
          end do
       end subroutine one
