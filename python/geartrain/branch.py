@@ -356,7 +356,7 @@ class Branch(Curves):
     def to_dataframe(self) -> DataFrame:
         """A pandas DataFrame with a row for each point: speed, and each field of meshes and shafts by its number; needs pandas.
 
-        `peaks`, `jumps` and `special_points` have the same call.
+        What `peaks`, `jumps` and ``special_points`` give has the same call.
 
         Examples
         --------
