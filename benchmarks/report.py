@@ -57,11 +57,11 @@ def locus_section(found):
     return f"""## The curve of a fold
 
 A fold is followed over Lambda and the stiffness variation, from 0.05 to 0.5, through its cusp. One is a fold of figure 3 at the
-resonance 1.55, the other a fold of one gear pair (`namelists/single_pair.nml`). `train.locus` and AUTO-07p with `ISW = 2` compute the
-curve. `python benchmarks/locus.py` measures it alone. Times are processor times of the curve alone. The error is the distance in
-Lambda from `special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact backlash the
-derivatives of AUTO's collocation jump where a collocation point passes a corner. Its corners are therefore rounded over a width of
-p, in units of half the backlash. The motion is then the motion of another train.
+resonance 1.55, the other a fold of one gear pair (`namelists/single_pair.nml`). `train.locus` and AUTO-07p with `ISW = 2`
+compute the curve. `python benchmarks/locus.py` measures it alone. Times are processor times of the curve alone. The error is
+the distance in Lambda from `special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact
+backlash the derivatives of AUTO's collocation jump where a collocation point passes a corner. Its corners are therefore rounded
+over a width of p, in units of half the backlash. The motion is then the motion of another train.
 
 {table(header, locus_rows(found["rows"]))}"""
 
