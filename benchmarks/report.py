@@ -56,12 +56,12 @@ def locus_section(found):
     header = ("train", "tool", "points", "to both ends", "processor time", "a point", "error of Lambda, median", "largest")
     return f"""## The curve of a fold
 
-A fold is followed over Lambda and the stiffness variation, from 0.05 to 0.5, through its cusp. One fold is that of figure 3 at the
-resonance 1.55, the other that of one gear pair (`namelists/single_pair.nml`). `train.locus` and AUTO-07p with `ISW = 2` compute the
-curve. `python benchmarks/locus.py` measures it alone. Times are processor times of the curve alone. The error is the distance in
-Lambda from `special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact backlash the
-derivatives of AUTO's collocation jump where a collocation point passes a corner. Its corners are therefore rounded over a width of
-p, in units of half the backlash. The motion is then the motion of another train.
+A fold is followed over Lambda and the stiffness variation, from 0.05 to 0.5, through its cusp. One is a fold of figure 3 at the
+resonance 1.55, the other a fold of one gear pair (`namelists/single_pair.nml`). `train.locus` and AUTO-07p with `ISW = 2`
+compute the curve. `python benchmarks/locus.py` measures it alone. Times are processor times of the curve alone. The error is
+the distance in Lambda from `special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact
+backlash the derivatives of AUTO's collocation jump where a collocation point passes a corner. Its corners are therefore rounded
+over a width of p, in units of half the backlash. The motion is then the motion of another train.
 
 {table(header, locus_rows(found["rows"]))}"""
 
@@ -211,7 +211,7 @@ def cores_section(found):
     ]  # fmt: skip
     return f"""## Many cases, all cores
 
-The time is that of one call of the executable until all files are closed, on one thread and on {found["cores"]}.
+The time is measured for one call of the executable until all files are closed, on one thread and on {found["cores"]}.
 
 {table(("what", "1 thread", f"{found['cores']} threads", "faster by", "the same bits"), rows)}"""
 

@@ -10,9 +10,10 @@ from ._box import described
 from ._extras import extra
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
     from xarray import Dataset
 
-__all__ = ["dataset", "labels_along"]
+__all__ = ["dataframe", "dataset", "labels_along"]
 
 
 def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coordinates: tuple[str, ...] = ()) -> Dataset:
@@ -49,6 +50,21 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
             _, unit, description = about[str(axis.name)]
             axis.attrs.update(units=unit, description=description)
     return found.set_coords([name for name in (*coordinates, *(f"{axis}_label" for axis in axes)) if name in variables])
+
+
+def dataframe(points: Dataset) -> DataFrame:
+    """A row for each point, with a column for each field of it, and of each mesh or shaft."""
+    columns: dict[str, Any] = {}
+    for name, array in [*points.coords.items(), *points.data_vars.items()]:
+        if array.dims == ("point",) and name != "point":
+            columns[str(name)] = array.values
+        elif array.ndim == 2 and "point" in array.dims:
+            other = next(str(axis) for axis in array.dims if axis != "point")
+            if other in {"mesh", "shaft"}:
+                for place in range(array.sizes[other]):
+                    columns[f"{name}, {other} {place + 1}"] = array.isel({other: place}).values
+    frame: DataFrame = extra("pandas").DataFrame(columns)
+    return frame
 
 
 def labels_along(dimension: str, length: int, orders: Any = None) -> Any:

@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._box import Box, Group, described
-from ._dataset import dataset
-from ._extras import extra
+from ._dataset import dataframe, dataset
 from ._motion_table import motions_of
 from ._page import Page, page
 from ._units import Unit, hertz_of, in_own_unit, lambda_of, length_unit, speed_of
@@ -356,24 +355,14 @@ class Branch(Curves):
     def to_dataframe(self) -> DataFrame:
         """A pandas DataFrame with a row for each point: speed, and each field of meshes and shafts by its number; needs pandas.
 
-        `peaks`, `jumps` and `special_points` have the same call.
+        What `peaks`, `jumps` and ``special_points`` give has the same call.
 
         Examples
         --------
         >>> list(branch.to_dataframe().columns[2:4])
         ['rms, mesh 1', 'rms, mesh 2']
         """
-        points = self.to_dataset().drop_dims(["coefficient", "multiplier", "state", "complex"], errors="ignore")
-        columns: dict[str, Any] = {}
-        for name, array in [*points.coords.items(), *points.data_vars.items()]:
-            if array.dims == ("point",) and name != "point":
-                columns[str(name)] = array.values
-            elif array.ndim == 2 and "point" in array.dims:
-                other = next(str(axis) for axis in array.dims if axis != "point")
-                for place in range(array.sizes[other]):
-                    columns[f"{name}, {other} {place + 1}"] = array.isel({other: place}).values
-        frame: DataFrame = extra("pandas").DataFrame(columns)
-        return frame
+        return dataframe(self.to_dataset())
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the branch and its ``branches`` as a results file, which `read_results` gives back as the response of its case.

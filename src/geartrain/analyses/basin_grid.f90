@@ -95,7 +95,7 @@ contains
                         settings%displacement_points)
       call v%on_real(row('velocity_from', '', 'one end of the range of velocity over characteristic_length times &
                          &characteristic_frequency; both ends 0: plus and minus three times the static displacement times the &
-                            frequency of the mesh alone'), settings%velocity_start)
+                           &frequency of the mesh alone'), settings%velocity_start)
       call v%on_real(row('velocity_to', '', 'other end of the range of velocity'), settings%velocity_stop)
       call v%on_integer(row('velocity_points', '', 'starts along the velocity, both ends included', least=one, most=most_points), &
                         settings%velocity_points)

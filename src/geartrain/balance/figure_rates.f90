@@ -28,6 +28,8 @@ module geartrain_balance_figure_rates
       !> Where the figure is an extreme, (mesh or shaft); +1 or -1: direction of the largest force, (mesh).
       type(place_type), allocatable, private :: places(:)
       integer, allocatable, private :: side(:)
+      !> Whether there is the figure of each mesh or shaft, (mesh or shaft).
+      logical, allocatable, private :: told(:)
       !> Derivative of the figure at each place, (place, mesh).
       real(dp), allocatable, private :: d_force(:, :)
    contains
@@ -60,6 +62,7 @@ contains
       items = merge(balance%system%torque_paths%shafts, balance%system%meshes, self%of_shafts)
       allocate (self%coefficients(balance%block, items), self%d(balance%block, items), self%places(items), self%side(items))
       allocate (self%d_force(most_places, items))
+      self%told = [(self%is_told(balance, j), j=1, items)]
       call self%coefficients_of(balance, u, self%coefficients)
       if (.not. (index(figure, 'imum') > 0 .or. self%of_forces)) return
       call transform%plan(fine_samples(maxval([1, balance%harmonic])))
@@ -108,9 +111,10 @@ contains
       self%d = self%d + weight*coefficients
       if (.not. self%of_forces) return
       do j = 1, balance%system%meshes
+         if (.not. self%told(j)) cycle
          associate (system => balance%system, n => balance%system%mesh_element(j), places => self%places(j))
             unit = system%stiffness(n)*system%characteristic_length
-            if (self%figure == 'dynamic_factor') unit = 1/max(abs(system%static_force(n)), tiny(unit))
+            if (self%figure == 'dynamic_factor') unit = 1/abs(system%static_force(n))
             do i = 1, places%count
                theta = places%theta(i)
                e = places%event(i)

@@ -420,7 +420,7 @@ contains
       if (fields%has('repetition_multipliers', allocated(branch%repetition_multipliers))) &
          call carry(fields, row('repetition_multipliers', 'point state complex', '1', 'Floquet multipliers over one repetition of &
                                 &the waveform; `multipliers` are powers of them', on_stability//', where all orders have a common &
-                                divisor', optional=.true.), branch%repetition_multipliers)
+                               &divisor', optional=.true.), branch%repetition_multipliers)
    end subroutine visit_stability
 
 end module geartrain_continuation_branch

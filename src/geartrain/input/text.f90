@@ -8,7 +8,7 @@ module geartrain_input_text
    use geartrain_input_variables, only: groups, visit_case
    implicit none (type, external)
    private
-   public :: case_text, commented_text, reference_text
+   public :: add_cell, case_text, commented_text, reference_text
 
    !> The visitor that writes groups and variables as text.
    type, extends(visitor_type) :: writer_type
@@ -103,9 +103,11 @@ contains
       text = text//newline
    end subroutine add_row
 
-   !> Adds a cell of a table with the bar after it.
+   !> Adds a cell of a Markdown table with the bar after it.
    subroutine add_cell(words, text)
+      !> Text of the cell.
       character(*), intent(in) :: words
+      !> The table so far.
       character(:), allocatable, intent(inout) :: text
 
       if (words /= '') text = text//' '//trim(words)//' '

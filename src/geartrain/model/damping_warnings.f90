@@ -4,6 +4,7 @@ module geartrain_model_damping_warnings
    use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text, short => text
+   use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train, reduce_light_loads
    use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_model_mesh, only: is_given
@@ -27,7 +28,7 @@ contains
 
    !> Adds a warning for each mode of hardly any damping, and one where `modal_damping` is not met.
    subroutine warn_of_damping_of_modes(train, warnings)
-      !> A train that has passed `check_train`.
+      !> The train; nothing is added for a train that `check_train` refuses.
       type(train_type), intent(in) :: train
       !> Gets a sentence each.
       type(text_type), allocatable, intent(inout) :: warnings(:)
@@ -39,6 +40,8 @@ contains
       real(dp), allocatable :: ratio(:)
       integer :: i, told
 
+      call check_train(train, error)
+      if (allocated(error)) return
       call plain_train(train, plain)
       call reduce_light_loads(plain)
       call resolve_damping(plain)

@@ -6,7 +6,7 @@ module geartrain_report_branch_quality
    use geartrain_continuation_decided, only: rests_on_undecided
    use geartrain_continuation_summary, only: band_type, gaps
    use geartrain_report_frequency_text, only: frequency_text_type
-   use geartrain_report_ranges, only: range_words, ranges_of_points
+   use geartrain_report_ranges, only: place_words, range_words, ranges_of_points
    use geartrain_report_sheet, only: in_quality, sheet_type
    implicit none (type, external)
    private
@@ -40,7 +40,7 @@ contains
 
       if (branch%points > 0) then
          call say_accuracy(branch, name, settings, told, whole, sheet)
-         if (allocated(branch%undecided)) call say_undecided(branch, name, sheet)
+         if (allocated(branch%undecided)) call say_undecided(branch, name, told, sheet)
          if (whole .and. .not. allocated(branch%stable)) call sheet%say(in_quality, name//': stability was not computed; unstable &
                                                                         &motions count as well.')
          if (whole) then
@@ -62,7 +62,7 @@ contains
       type(frequency_text_type), intent(in) :: told
       logical, intent(in) :: whole
       type(sheet_type), intent(inout) :: sheet
-      character(:), allocatable :: words, place
+      character(:), allocatable :: words, place, places
       real(dp) :: tolerance, error(branch%points)
       integer :: missed, worst
 
@@ -84,25 +84,29 @@ contains
       words = name//': '//text(missed)//' of '//counted(branch%points, 'motion', 'motions')//trim(merge(' is ', ' are', &
               missed == 1))//' less accurate than '//significant(tolerance)//' (estimate; worst '//significant(error(worst))// &
               ' at '//place//')'
-      if (settings%harmonics > 0) words = words//': '//counted(branch%harmonics, 'harmonic is', 'harmonics are')// &
-                                          ' too few, use harmonics = 0'
-      if (settings%harmonics == 0) words = words//' with at most '//counted(branch%harmonics, 'harmonic', 'harmonics')// &
-                                           ': refine = .true. makes them exact'
+      if (settings%harmonics > 0) then
+         words = words//': '//counted(branch%harmonics, 'harmonic is', 'harmonics are')//' too few, use harmonics = 0'
+      else
+         call place_words(pack(branch%frequency_ratio(:branch%points), error > tolerance), told, sheet%verbose, places)
+         words = words//', near '//places//': refine = .true. makes motions exact whose period is not too long'
+      end if
       call sheet%say(in_quality, words//'.')
    end subroutine say_accuracy
 
    !> Adds how many verdicts on stability are guesses, and the special points that rest on them.
-   subroutine say_undecided(branch, name, sheet)
+   subroutine say_undecided(branch, name, told, sheet)
       type(branch_type), intent(in) :: branch
       character(*), intent(in) :: name
+      type(frequency_text_type), intent(in) :: told
       type(sheet_type), intent(inout) :: sheet
-      character(:), allocatable :: words
+      character(:), allocatable :: words, places
       character(16) :: kind(size(branch%special_points))
       integer :: i, n
 
       n = count(branch%undecided(:branch%points))
       if (n == 0) return
-      words = name//': the stability of '//counted(n, 'motion', 'motions')//' is undecided'
+      call place_words(pack(branch%frequency_ratio(:branch%points), branch%undecided(:branch%points)), told, sheet%verbose, places)
+      words = name//': the stability of '//counted(n, 'motion', 'motions')//' is undecided, near '//places
       kind = ''
       do i = 1, size(kind)
          if (rests_on_undecided(branch, i)) kind(i) = branch%special_points(i)%kind

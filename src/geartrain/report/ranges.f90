@@ -2,14 +2,15 @@
 module geartrain_report_ranges
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
+   use geartrain_base_sorting, only: ascending
    use geartrain_continuation_summary, only: band_type
    use geartrain_report_frequency_text, only: frequency_text_type
    implicit none (type, external)
    private
-   public :: ranges_of_points, range_words
+   public :: place_words, ranges_of_points, range_words
 
-   !> Most ranges of a list in a short report.
-   integer, parameter :: most = 4
+   !> Most ranges, and most places, of a list in a short report.
+   integer, parameter :: most = 4, most_places = 3
 
 contains
 
@@ -59,6 +60,40 @@ contains
       if (list /= '') call told%with_unit(list, words)
       if (left > 0) words = words//' and '//text(left)//trim(merge(' more range ', ' more ranges', left == 1))
    end subroutine range_words
+
+   !> Distinct places with their unit, ascending: 'Lambda 0.5772, 0.7320', '1613, 1620 rpm and 3 more'.
+   subroutine place_words(at, told, all, words)
+      !> Lambda, or the parameter, of each place, at least one.
+      real(dp), intent(in) :: at(:)
+      !> How frequencies are stated.
+      type(frequency_text_type), intent(in) :: told
+      !> Whether all places are listed, however many they are.
+      logical, intent(in) :: all
+      !> The words.
+      character(:), allocatable, intent(out) :: words
+      character(:), allocatable :: list, last
+      real(dp) :: sorted(size(at))
+      integer :: i, listed, left
+
+      sorted = at(ascending(at))
+      list = ''
+      last = ''
+      listed = 0
+      left = 0
+      do i = 1, size(sorted)
+         if (trim(told%number(sorted(i))) == last) cycle
+         last = trim(told%number(sorted(i)))
+         if (listed == most_places .and. .not. all) then
+            left = left + 1
+            cycle
+         end if
+         listed = listed + 1
+         if (list /= '') list = list//', '
+         list = list//last
+      end do
+      call told%with_unit(list, words)
+      if (left > 0) words = words//' and '//text(left)//' more'
+   end subroutine place_words
 
    !> Ranges that neighbouring points of a list span where a condition holds.
    pure function ranges_of_points(at, holds, connected) result(ranges)

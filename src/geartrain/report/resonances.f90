@@ -72,7 +72,7 @@ contains
                if (is_same(found(n), new)) exit
             end do
             if (n > size(found)) then
-               found = [found, new]
+               call append(new, found)
             else
                if (new%amplitude(mesh) > maxval(found(n)%amplitude)) found(n)%frequency_ratio = new%frequency_ratio
                found(n)%amplitude = max(found(n)%amplitude, new%amplitude)
@@ -81,6 +81,17 @@ contains
       end do
       found = found(ascending(found%frequency_ratio))
    end subroutine find_resonances
+
+   !> Adds a resonance to a list. Not by an array constructor: gfortran 12 does not free the allocatable components of its elements.
+   pure subroutine append(new, found)
+      type(resonance_type), intent(in) :: new
+      type(resonance_type), allocatable, intent(inout) :: found(:)
+      type(resonance_type) :: longer(size(found) + 1)
+
+      longer(:size(found)) = found
+      longer(size(longer)) = new
+      found = longer
+   end subroutine append
 
    !> Whether two maxima are of one resonance.
    pure logical function is_same(one, other)

@@ -3,6 +3,7 @@ module geartrain_run_reference
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_field, only: field_type, group_type, kind_integer, values_type
    use geartrain_base_fields, only: fields_type, listing
+   use geartrain_input_text, only: add_cell
    use geartrain_run_results, only: visit_results, visit_root
    implicit none (type, external)
    private
@@ -190,15 +191,6 @@ contains
       call add_meaning(about, text)
       text = text//' |'
    end subroutine add_row
-
-   !> Adds a cell of a table with the bar after it.
-   subroutine add_cell(words, text)
-      character(*), intent(in) :: words
-      character(:), allocatable, intent(inout) :: text
-
-      if (words /= '') text = text//' '//trim(words)//' '
-      text = text//'|'
-   end subroutine add_cell
 
    !> Adds the description of a field and when it exists.
    subroutine add_meaning(about, text)
