@@ -139,19 +139,24 @@ contains
       !> Network with its nodes; gets `order`, `coordinates`, `displacements` and `rigid`.
       type(network_type), intent(inout) :: network
       type(network_type), intent(in), optional :: like
-      logical :: chosen(size(given)), left(size(given))
+      logical :: chosen(size(given)), left(size(given)), same
       type(rows_type) :: rows
       integer :: n, nodes
 
       nodes = size(network%inertia)
-      if (present(like)) then
+      call rows%setup(nodes, 0)
+      same = present(like)
+      if (same) same = size(given) == size(like%order)
+      if (same) then
          network%order = like%order
          network%coordinates = like%coordinates
          network%displacements = like%displacements
-         network%rigid = like%rigid
+         do n = 1, network%displacements
+            call rows%add(given(network%order(n))%row_type, chosen(n))
+         end do
+         call put_rigid(rows, given, network)
          return
       end if
-      call rows%setup(nodes, 0)
       chosen = .false.
       left = given%elastic
       do while (any(left))
