@@ -5,7 +5,7 @@ module geartrain_model_bodies
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: bodies_of, body_count, find_ends
+   public :: bodies_of, body_count, find_carriers, find_ends
 
 contains
 
@@ -68,43 +68,75 @@ contains
          meshes = shafts(:, :size(train%meshes)) + 1
          return
       end if
+      call find_keys(train, keys)
+      do i = 1, 2
+         do j = 1, size(shafts, 2)
+            shafts(i, j) = body_named(train, keys, train%shafts(j)%between(i))
+         end do
+         do j = 1, size(meshes, 2)
+            meshes(i, j) = body_named(train, keys, train%meshes(j)%between(i))
+         end do
+      end do
+   end subroutine find_ends
+
+   !> Numbers of the bodies that carry the gears of meshes.
+   pure subroutine find_carriers(train, carrier)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> The carrier of each mesh; 0: none, -1: no body has the name, (mesh).
+      integer, intent(out) :: carrier(:)
+      integer, allocatable :: keys(:)
+      integer :: j
+
+      carrier = 0
+      if (.not. any(train%meshes%carrier /= '')) return
+      carrier = -1
+      if (.not. allocated(train%bodies)) return
+      call find_keys(train, keys)
+      do j = 1, size(carrier)
+         carrier(j) = 0
+         if (train%meshes(j)%carrier == '') cycle
+         carrier(j) = body_named(train, keys, train%meshes(j)%carrier)
+         if (carrier(j) == 0) carrier(j) = -1
+      end do
+   end subroutine find_carriers
+
+   pure subroutine find_keys(train, keys)
+      type(train_type), intent(in) :: train
+      !> Key of the name of each body, (body).
+      integer, allocatable, intent(out) :: keys(:)
+      integer :: j
+
       allocate (keys(size(train%bodies)), source=0)
       do j = 1, size(keys)
          if (allocated(train%bodies(j)%name)) keys(j) = key(train%bodies(j)%name)
       end do
-      do i = 1, 2
-         do j = 1, size(shafts, 2)
-            shafts(i, j) = body_named(train%shafts(j)%between(i))
-         end do
-         do j = 1, size(meshes, 2)
-            meshes(i, j) = body_named(train%meshes(j)%between(i))
-         end do
+   end subroutine find_keys
+
+   !> A positive number made from a name. Different numbers tell different names, in a hundredth of the time of a comparison of the
+   !> names.
+   pure integer function key(name)
+      character(*), intent(in) :: name
+      integer :: k
+
+      key = 1
+      do k = 1, len_trim(name)
+         key = 1 + mod(31*key + ichar(name(k:k)), 10000019)
       end do
+   end function key
 
-   contains
+   !> Number of the body of a name, 0: none has it.
+   pure integer function body_named(train, keys, name)
+      type(train_type), intent(in) :: train
+      integer, intent(in) :: keys(:)
+      character(*), intent(in) :: name
+      integer :: wanted
 
-      !> A positive number made from a name. Different numbers tell different names, in a hundredth of the time of a comparison of
-      !> the names.
-      pure integer function key(name)
-         character(*), intent(in) :: name
-         integer :: k
+      wanted = key(name)
+      do body_named = size(keys), 1, -1
+         if (keys(body_named) /= wanted) cycle
+         if (train%bodies(body_named)%name == name) return
+      end do
+   end function body_named
 
-         key = 1
-         do k = 1, len_trim(name)
-            key = 1 + mod(31*key + ichar(name(k:k)), 10000019)
-         end do
-      end function key
-
-      pure integer function body_named(name)
-         character(*), intent(in) :: name
-         integer :: wanted
-
-         wanted = key(name)
-         do body_named = size(keys), 1, -1
-            if (keys(body_named) /= wanted) cycle
-            if (train%bodies(body_named)%name == name) return
-         end do
-      end function body_named
-
-   end subroutine find_ends
 end module geartrain_model_bodies

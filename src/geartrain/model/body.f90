@@ -30,6 +30,10 @@ module geartrain_model_body
       real(dp) :: stiffness_to_ground = 0
       !> The body stands still.
       logical :: held = .false.
+      !> Mean speed over that of the body whose revolutions are the speed [1], signed in one sense of all; in force when
+      !> `ratio_given`, where the gears alone do not determine all speeds.
+      real(dp) :: speed_ratio = 0
+      logical :: ratio_given = .false.
       !> The mean torque of the body balances the mean torques of all others.
       logical :: balances = .false.
    end type body_type

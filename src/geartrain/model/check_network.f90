@@ -1,12 +1,12 @@
-!> Checks that bodies, shafts and meshes make one network: every name is known, all bodies are joined, no loop locks, one body
-!> balances the torques.
+!> Checks that bodies, shafts and meshes make one network: every name is known, what moves has inertia, all bodies are joined.
 module geartrain_model_check_network
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_model_bodies, only: find_ends
+   use geartrain_model_bodies, only: find_carriers, find_ends
+   use geartrain_model_check_turning, only: check_joints, check_turning
    use geartrain_model_mesh, only: is_given, put_law
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_nodes, only: join_rigid, nodes_type
@@ -15,9 +15,6 @@ module geartrain_model_check_network
    implicit none (type, external)
    private
    public :: check_network
-
-   !> Largest difference from 1 of the product of the ratios round a loop [1].
-   real(dp), parameter :: rounding = 1e-9_dp
 
 contains
 
@@ -28,12 +25,11 @@ contains
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
-      integer :: before
+      integer :: before, carrier(size(train%meshes))
 
       before = checker%problems%count
       call check_chain_values(train, checker)
       call check_names(train, checker)
-      call check_balance(train, checker)
       if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh', 'train', 1, names_group=.true.)
       if (checker%problems%count > before) return
       ! The checks below need the names; a value that is out of range has been told with its variable.
@@ -41,8 +37,10 @@ contains
       if (any(shaft_ends == 0) .or. any(mesh_ends == 0)) return
       call check_inertias(train, shaft_ends, mesh_ends, checker)
       if (.not. all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) return
-      call check_joints(train, shaft_ends, mesh_ends, checker)
-      call check_elastic(train, shaft_ends, mesh_ends, checker)
+      call find_carriers(train, carrier)
+      call check_joints(train, shaft_ends, mesh_ends, carrier, checker)
+      call check_elastic(train, shaft_ends, mesh_ends, carrier, checker)
+      if (checker%problems%count == before) call check_turning(train, mesh_ends, carrier, checker)
       ! Numbers that a wrong drawing gave have no rest.
       if (checker%problems%count == 0) call check_rest(train, checker)
    end subroutine check_network
@@ -106,6 +104,7 @@ contains
       do i = 1, size(train%meshes)
          call checker%enter('mesh', i)
          call check_ends(train, train%meshes(i)%between, checker)
+         if (train%meshes(i)%carrier /= '') call check_carrier(train, train%meshes(i)%between, train%meshes(i)%carrier, checker)
          call checker%leave()
       end do
    end subroutine check_names
@@ -114,63 +113,51 @@ contains
       type(train_type), intent(in) :: train
       character(*), intent(in) :: between(2)
       class(checker_type), intent(inout) :: checker
-      character(len(between)) :: names(size(train%bodies))
-      integer :: i, best
+      integer :: i
 
       if (all(between == '')) then
          call checker%lacks('between', 'the names of the two bodies that it joins')
          return
       end if
-      names = ''
-      do i = 1, size(names)
-         if (allocated(train%bodies(i)%name)) names(i) = train%bodies(i)%name
-      end do
       do i = 1, 2
-         if (any(names == between(i))) cycle
-         ! A name that could not be read may be this name.
-         if (any(checker%problems%reported('body', [(best, best=1, size(names))], 'name'))) return
-         best = nearest_name(trim(between(i)), names)
-         if (best > 0) then
-            call checker%complain('between', "'"//trim(between(i))//"'", "is the name of no &body (did you mean '" &
-                                  //trim(names(best))//"'?)")
-         else
-            call checker%complain('between', "'"//trim(between(i))//"'", 'is the name of no &body')
-         end if
-         return
+         if (.not. is_body(train, 'between', between(i), checker)) return
       end do
       if (between(1) == between(2)) call checker%complain('between', "'"//trim(between(1))//"' twice", 'must be two bodies')
    end subroutine check_ends
 
-   !> Exactly one body balances the others, and has no given mean torque.
-   subroutine check_balance(train, checker)
+   subroutine check_carrier(train, between, carrier, checker)
       type(train_type), intent(in) :: train
+      character(*), intent(in) :: between(2), carrier
       class(checker_type), intent(inout) :: checker
-      integer :: i, first
 
-      first = findloc(train%bodies%balances, .true., 1)
-      if (any(train%bodies%held .or. train%bodies%stiffness_to_ground > 0)) then
-         if (first == 0) return
-         call checker%enter('body', first)
-         call checker%complain('balances', '.true.', 'is not for a train that a held body or a spring to ground holds: they bear &
-                               &the mean torques')
-         call checker%leave()
-         return
-      end if
-      if (first == 0) call checker%problems%add('no &body has balances = .true.: the mean torque of one of them, the load, &
-         &balances that of all others', 'train', 1, names_group=.true.)
-      do i = first + 1, size(train%bodies)
-         if (.not. train%bodies(i)%balances .or. first == 0) cycle
-         call checker%enter('body', i)
-         call checker%complain('balances', '.true.', 'is that of &body '//integer_text(first)//' already: one balances the others')
-         call checker%leave()
+      if (.not. is_body(train, 'carrier', carrier, checker)) return
+      if (any(between == carrier)) call checker%complain('carrier', "'"//trim(carrier)//"'", 'is a gear of this mesh: the body &
+         &on which both gears ride is meant')
+   end subroutine check_carrier
+
+   !> Whether a name is that of a body; else adds a problem, unless it may be a name that could not be read.
+   logical function is_body(train, variable, name, checker)
+      type(train_type), intent(in) :: train
+      !> Variable that has the name.
+      character(*), intent(in) :: variable, name
+      class(checker_type), intent(inout) :: checker
+      character(len(name)) :: names(size(train%bodies))
+      integer :: i, best
+
+      names = ''
+      do i = 1, size(names)
+         if (allocated(train%bodies(i)%name)) names(i) = train%bodies(i)%name
       end do
-      if (first == 0) return
-      if (.not. abs(train%bodies(first)%torque) > 0) return
-      call checker%enter('body', first)
-      call checker%complain('torque', real_text(train%bodies(first)%torque), 'contradicts balances = .true.: its mean torque &
-                            &follows from the others')
-      call checker%leave()
-   end subroutine check_balance
+      is_body = any(names == name)
+      if (is_body) return
+      if (any(checker%problems%reported('body', [(i, i=1, size(names))], 'name'))) return
+      best = nearest_name(trim(name), names)
+      if (best > 0) then
+         call checker%complain(variable, "'"//trim(name)//"'", "is the name of no &body (did you mean '"//trim(names(best))//"'?)")
+      else
+         call checker%complain(variable, "'"//trim(name)//"'", 'is the name of no &body')
+      end if
+   end function is_body
 
    !> A body on a mesh or an elastic shaft has inertia; a body with rigid shafts only may have none.
    subroutine check_inertias(train, shaft_ends, mesh_ends, checker)
@@ -227,9 +214,9 @@ contains
    end subroutine check_inertias
 
    !> No mesh and no elastic shaft joins two bodies that rigid shafts make one.
-   subroutine check_elastic(train, shaft_ends, mesh_ends, checker)
+   subroutine check_elastic(train, shaft_ends, mesh_ends, carrier, checker)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
+      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :), carrier(:)
       class(checker_type), intent(inout) :: checker
       type(nodes_type) :: nodes
       integer :: i
@@ -240,6 +227,12 @@ contains
       end do
       do i = 1, size(train%meshes)
          call check_one('mesh', train%meshes(i)%between, mesh_ends(:, i))
+         if (carrier(i) == 0) cycle
+         associate (names => train%meshes(i)%between, arm => train%meshes(i)%carrier)
+            if (nodes%node(carrier(i)) == 0) cycle
+            call check_one('mesh', [names(1), arm], [mesh_ends(1, i), carrier(i)])
+            call check_one('mesh', [names(2), arm], [mesh_ends(2, i), carrier(i)])
+         end associate
       end do
 
    contains
@@ -309,134 +302,5 @@ contains
                                 text(residual)//' only, 1e-10 is asked: are the stiffnesses in SI units?', 'train', 1, &
                                 names_group=.true.)
    end subroutine check_rest
-
-   !> Every body is joined with the first body, and round every loop the ratios multiply to 1. A search from the first body visits
-   !> each body once; every further joint closes a loop.
-   subroutine check_joints(train, shaft_ends, mesh_ends, checker)
-      type(train_type), intent(in) :: train
-      !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh).
-      integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
-      class(checker_type), intent(inout) :: checker
-      !> Reduced radius [1] and sense of rotation of each body, and the body from which the search came, (body).
-      real(dp) :: radius(size(train%bodies))
-      integer :: sense(size(train%bodies)), came(size(train%bodies)), ends(2), i
-      logical :: met(size(train%bodies)), changed
-
-      met = .false.
-      met(1) = .true.
-      radius = 1
-      sense = 1
-      came = 0
-      changed = .true.
-      do while (changed)
-         changed = .false.
-         do i = 1, size(train%shafts)
-            call pass(shaft_ends(:, i), [1.0_dp, 1.0_dp], 1)
-         end do
-         do i = 1, size(train%meshes)
-            associate (mesh => train%meshes(i))
-               call pass(mesh_ends(:, i), [mesh%driving_radius, mesh%driven_radius], merge(1, -1, mesh%internal))
-            end associate
-         end do
-      end do
-      do i = 1, size(train%bodies)
-         if (met(i)) cycle
-         call checker%enter('body', i)
-         call checker%problems%add("'"//train%bodies(i)%name//"' is joined with '"//train%bodies(1)%name// &
-                                   "' by no shaft and no mesh", 'body', i, 'name')
-         call checker%leave()
-      end do
-      if (.not. all(met)) return
-      do i = 1, size(train%shafts)
-         ends = shaft_ends(:, i)
-         call close_loop(ends, radius(ends(2))/radius(ends(1)), sense(ends(1)) == sense(ends(2)), 'shaft')
-      end do
-      do i = 1, size(train%meshes)
-         ends = mesh_ends(:, i)
-         associate (mesh => train%meshes(i))
-            call close_loop(ends, radius(ends(2))/radius(ends(1))*(mesh%driving_radius/mesh%driven_radius), &
-                            (sense(ends(1)) == sense(ends(2))) .eqv. mesh%internal, 'mesh')
-         end associate
-      end do
-
-   contains
-
-      subroutine pass(ends, radii, turn)
-         integer, intent(in) :: ends(2), turn
-         real(dp), intent(in) :: radii(2)
-
-         if (met(ends(1)) .eqv. met(ends(2))) return
-         if (met(ends(1))) then
-            radius(ends(2)) = radius(ends(1))*(radii(2)/radii(1))
-            came(ends(2)) = ends(1)
-         else
-            radius(ends(1)) = radius(ends(2))*(radii(1)/radii(2))
-            came(ends(1)) = ends(2)
-         end if
-         if (.not. met(ends(2))) sense(ends(2)) = turn*sense(ends(1))
-         if (.not. met(ends(1))) sense(ends(1)) = turn*sense(ends(2))
-         met(ends) = .true.
-         changed = .true.
-      end subroutine pass
-
-      !> Adds a problem where a joint closes a loop that locks: `ratio` is not 1, or the senses of rotation do not agree.
-      subroutine close_loop(ends, ratio, agree, group)
-         integer, intent(in) :: ends(2)
-         real(dp), intent(in) :: ratio
-         logical, intent(in) :: agree
-         character(*), intent(in) :: group
-         character(:), allocatable :: why
-
-         if (abs(ratio - 1) <= rounding .and. agree) return
-         why = 'these gears lock: '
-         if (.not. agree) why = why//'there is an odd number of external pairs in the loop '
-         if (agree) why = why//'the ratios multiply to '//text(ratio)//', not 1, round the loop '
-         call checker%problems%add(why//trim(loop_of(ends)), group, i, 'between')
-      end subroutine close_loop
-
-      !> The bodies of a loop in words, 'a - b - c - a': along the search tree from one end of the joint to the other.
-      function loop_of(ends) result(words)
-         integer, intent(in) :: ends(2)
-         character(400) :: words
-         integer :: first, second
-
-         words = train%bodies(ends(1))%name
-         first = ends(1)
-         do
-            if (is_before(first, ends(2))) exit
-            first = came(first)
-            words = trim(words)//' - '//train%bodies(first)%name
-         end do
-         second = ends(2)
-         do while (second /= first)
-            words = trim(words)//' - '//train%bodies(lower(first, second))%name
-            first = lower(first, second)
-         end do
-         words = trim(words)//' - '//train%bodies(ends(1))%name
-      end function loop_of
-
-      !> Whether the search came to `body` by way of `before`, or `before` is `body`.
-      logical function is_before(before, body)
-         integer, intent(in) :: before, body
-         integer :: now
-
-         now = body
-         do while (now /= 0 .and. now /= before)
-            now = came(now)
-         end do
-         is_before = now == before
-      end function is_before
-
-      !> The body after `before` on the way of the search to `body`.
-      integer function lower(before, body)
-         integer, intent(in) :: before, body
-
-         lower = body
-         do while (came(lower) /= before)
-            lower = came(lower)
-         end do
-      end function lower
-
-   end subroutine check_joints
 
 end module geartrain_model_check_network

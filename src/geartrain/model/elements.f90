@@ -2,10 +2,12 @@
 !> procedure here.
 module geartrain_model_elements
    use geartrain_base_kinds, only: dp
-   use geartrain_model_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_model_bodies, only: bodies_of, body_count, find_carriers, find_ends
+   use geartrain_model_mesh, only: mesh_type
    use geartrain_model_nodes, only: nodes_type
    use geartrain_model_rows, only: row_type
    use geartrain_model_train, only: train_type
+   use geartrain_model_turning, only: find_turning, turning_type
    implicit none (type, external)
    private
    public :: element_type, list_elements, radius_at, vibrating
@@ -35,10 +37,13 @@ contains
       type(element_type), allocatable, intent(out) :: elements(:)
       real(dp), dimension(body_count(train)) :: inertia, torque
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), balancing(:)
-      integer :: i, n
+      integer :: carrier(size(train%meshes)), i, n
+      type(turning_type) :: turning
 
       call bodies_of(train, inertia, torque, balancing)
       call find_ends(train, shaft_ends, mesh_ends)
+      call find_carriers(train, carrier)
+      if (any(carrier > 0)) call find_turning(train, turning)
       allocate (elements(size(train%meshes) + count(.not. train%shafts%rigid) + count(nodes%support > 0) &
                          + count(nodes%damping > 0)))
       n = 0
@@ -52,6 +57,7 @@ contains
          if (i > size(train%meshes)) cycle
          n = n + 1
          call make_mesh(train, nodes, i, mesh_ends(:, i), inertia, elements(n))
+         if (carrier(i) > 0) call put_carrier(train%meshes(i), nodes, [mesh_ends(:, i), carrier(i)], turning, i, elements(n))
       end do
       do i = 1, size(nodes%inertia)
          if (.not. nodes%support(i) > 0) cycle
@@ -152,6 +158,26 @@ contains
       end function varies
 
    end subroutine make_mesh
+
+   !> Sets the row of a mesh on a carrier: s [r_a (theta_a - theta_c) + q r_b (theta_b - theta_c)] in rotations of one sense, with
+   !> q = 1 for an external and -1 for an internal pair, and s such that the drive flanks bear where the driving gear leads.
+   pure subroutine put_carrier(mesh, nodes, bodies, turning, i, element)
+      type(mesh_type), intent(in) :: mesh
+      class(nodes_type), intent(in) :: nodes
+      !> Driving gear, driven gear, carrier.
+      integer, intent(in) :: bodies(3)
+      !> Speeds and senses of the bodies.
+      type(turning_type), intent(in) :: turning
+      !> Number of the mesh.
+      integer, intent(in) :: i
+      type(element_type), intent(inout) :: element
+      real(dp) :: entries(3)
+
+      entries(:2) = [mesh%driving_radius, merge(-1, 1, mesh%internal)*mesh%driven_radius]
+      entries(3) = -sum(entries(:2))
+      if (abs(turning%relative(i)) > 0) entries = sign(1.0_dp, turning%relative(i))*entries
+      call put_row(nodes, bodies, turning%sense(bodies)*entries, element)
+   end subroutine put_carrier
 
    !> Inertias at the ends of an element to which its damping ratio refers [kg m^2]: the inertia of each body as given. A body
    !> without inertia, and a shaft end of a train without &body, counts with all bodies that are rigidly joined to it; a held body

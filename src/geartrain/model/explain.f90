@@ -140,9 +140,7 @@ contains
          end if
          words = integer_text(int(k%fundamental(2)))
          if (k%fundamental(1) /= 1) words = words//'/'//integer_text(int(k%fundamental(1)))
-         words = words//' of a turn of '
-         if (allocated(context%given%bodies)) words = words//bodies(1)%name
-         if (.not. allocated(context%given%bodies)) words = words//'the driving end'
+         words = words//' of a turn of '//trim(speed_name(context))
       end associate
    end subroutine tell_fundamental
 
@@ -176,8 +174,8 @@ contains
          end if
          call carry(fields, field_type('inertia', '', 'kg m^2', words), context%plain%bodies(i)%inertia)
          if (.not. context%toothed) return
-         turns = real(k%rate(1, i), dp)/real(k%rate(2, i), dp) &
-                 /(real(k%rate(1, k%speed_body), dp)/real(k%rate(2, k%speed_body), dp))
+         if (.not. k%known) return
+         turns = k%turning%speed(i)
          call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth'), turns)
          if (k%revolution_order(i) > 0) &
             call carry(fields, field_type('revolution_order', '', '1', 'its revolution as a multiple of the fundamental'), &

@@ -15,6 +15,8 @@ module geartrain_model_mesh
    type :: mesh_type
       !> Names of the bodies of the driving and the driven gear; blank in a chain.
       character(name_length) :: between(2) = ''
+      !> Name of the body on which both gears ride; blank: their axes stand still.
+      character(name_length) :: carrier = ''
       !> An internal gear pair: both gears turn in one sense.
       logical :: internal = .false.
       !> Base circle radii [m].

@@ -14,7 +14,7 @@ module geartrain_model_network
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, accelerate, balance_torques, build_network, locks, state_count, stiffening
+   public :: network_type, accelerate, balance_torques, balances, build_network, locks, state_count, stiffening
 
    type, extends(nodes_type) :: network_type
       !> Reduced radius [m], (node).
@@ -68,15 +68,16 @@ contains
    end subroutine build_network
 
    !> Lets the whole train accelerate: the torques that accelerate the inertias are taken from the mean torques.
-   pure subroutine accelerate(network, body, rate)
-      !> The network of a train at constant speed, with one rigid motion.
+   pure subroutine accelerate(network, rate)
+      !> The network of a train at constant speed.
       type(network_type), intent(inout) :: network
-      !> A body of the train.
-      integer, intent(in) :: body
-      !> Its mean angular acceleration [rad/s^2].
-      real(dp), intent(in) :: rate
+      !> Mean angular acceleration of each body in its sense [rad/s^2], (body).
+      real(dp), intent(in) :: rate(:)
+      integer :: i
 
-      network%acceleration = rate*network%rigid(:, 1)/network%rigid(network%node(body), 1)
+      do i = 1, size(rate)
+         if (network%node(i) > 0) network%acceleration(network%node(i)) = rate(i)
+      end do
       associate (taken => network%inertia*network%acceleration)
          network%torque = network%torque - taken
          network%magnitude = network%magnitude + abs(taken)
@@ -108,6 +109,25 @@ contains
          torque(network%balancing) = needed
       end if
    end subroutine balance_torques
+
+   !> Whether the torques of the balancing bodies can balance all others: they do work on every rigid motion.
+   pure logical function balances(network)
+      !> The network.
+      type(network_type), intent(in) :: network
+      real(dp) :: work(size(network%balancing), size(network%balancing)), scale(size(network%balancing))
+      integer :: pivot(size(network%balancing)), i, info
+
+      balances = size(network%rigid, 2) == size(network%balancing) .and. all(network%node(network%balancing) > 0)
+      if (.not. balances) return
+      scale = maxval(abs(network%rigid), 1)
+      do i = 1, size(scale)
+         work(:, i) = network%rigid(network%node(network%balancing(i)), :)/scale
+      end do
+      ! No motion without work of one of them.
+      call factor_matrix(size(scale), work, pivot, info)
+      balances = info == 0
+      if (balances) balances = all([(abs(work(i, i)) > 1e-12_dp, i=1, size(scale))])
+   end function balances
 
    !> Number of values of a state: displacements and velocities of the coordinates. 0 for a train without bodies.
    pure integer function state_count(train)

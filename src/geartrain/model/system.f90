@@ -106,8 +106,8 @@ contains
       call build_network(train, system%network, unknown, like)
       if (present(acceleration)) then
          call find_kinematics(given, kinematics)
-         if (kinematics%known) call accelerate(system%network, kinematics%speed_body, &
-                                               kinematics%speed_ratio*acceleration*train%characteristic_frequency**2)
+         if (kinematics%known) call accelerate(system%network, abs(kinematics%turning%speed)*kinematics%speed_ratio &
+                                               *acceleration*train%characteristic_frequency**2)
       end if
       associate (elements => system%network%elements)
          system%elements = size(elements)

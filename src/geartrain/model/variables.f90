@@ -108,9 +108,14 @@ contains
       call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%revolution_torque_sin)
       call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of the vibration of the body against the ground; give a mean &
                          &drag as torque', least=zero), body%damping_to_ground)
+      call v%on_real(row('stiffness_to_ground', 'N m/rad', 'stiffness of a spring between the body and the ground; it bears a mean &
+                         &torque, and the body cannot turn', least=zero), body%stiffness_to_ground)
+      call v%on_logical(row('held', '', 'the body stands still, as a housing; its reaction torque is a result'), body%held)
+      call v%on_real(row('speed_ratio', '', 'mean speed of the body over that of `speed_of`, negative in the opposite sense; only &
+                         &where the gears leave it free, as in a differential'), body%speed_ratio, body%ratio_given)
       call v%on_logical(row('balances', '', 'the mean torque of the body balances all other torques, in a run-up also the &
-                            &acceleration of the inertias; .true. for exactly one body'), &
-                        body%balances)
+                            &acceleration of the inertias; .true. for as many bodies as there are independent speeds, for none &
+                            &where a spring to ground holds the train'), body%balances)
       call v%leave()
    end subroutine visit_body
 
@@ -164,6 +169,10 @@ contains
       call v%enter('mesh', index)
       call v%on_names(row('between', '', 'names of the bodies with the driving and the driven gear; none in a chain'), &
                       mesh%between)
+      word = trim(mesh%carrier)
+      call v%on_text(row('carrier', '', 'name of the body on which both gears ride, the arm of a planetary stage; none: their axes &
+                         &stand still'), word)
+      mesh%carrier = word
       call visit_drawing(mesh, v)
       given = .not. abs(mesh%driving_radius) <= 0
       call v%on_real(row('driving_radius', 'm', 'base circle radius of the driving gear; else from teeth and normal_module', &
