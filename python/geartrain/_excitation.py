@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .description import Description
-from .schematic import joints_of
 
 if TYPE_CHECKING:
     from .modes import Modes
@@ -85,8 +84,8 @@ def _harmonics(name: str, element: str, base: int, amplitude: Array, counts: Arr
 class Resonances:
     """Mesh forces at which the modes resonate with harmonic excitations: linear, all teeth in contact, mean stiffness.
 
-    With phi the rotations of a mode, psi the displacements r_1 phi_1 - r_2 phi_2 of the meshes and U its sum of stiffness times
-    squared displacement over all shafts and meshes, an excitation F of mesh m makes the amplitude k_j psi_j psi_m F/(2 zeta U) of
+    With phi the rotations of a mode, psi the displacements of the meshes and U the sum of stiffness times squared displacement over
+    all shafts and meshes, an excitation F of mesh m makes the amplitude k_j psi_j psi_m F/(2 zeta U) of
     the force of mesh j. At mesh m it is the share of mesh m in the energy of the mode times F/(2 zeta).
     """
 
@@ -100,15 +99,13 @@ class Resonances:
         for place, body in enumerate(bodies):
             self._shape[body] = rotation[:, place]
         force, mean = [], []
-        for joint in joints_of(train):
-            about, (one, other) = numbers.get(joint.element, {}), joint.ends
-            if "stiffness" not in about:
-                continue
-            driving, driven = about["base_radius"] if joint.is_mesh else (1.0, 1.0)
-            displacement = driving * rotation[:, one] - driven * rotation[:, other]
-            self._energy += about["stiffness"] * displacement**2
-            if joint.is_mesh:
-                self._shape[joint.element] = displacement
+        energy = np.zeros(modes.shape.shape) if modes.energy is None else modes.energy
+        self._energy += energy.sum(axis=1)
+        for place, element in enumerate(modes.element):
+            about = numbers.get(element, {})
+            if element.startswith("mesh") and "stiffness" in about:
+                displacement = np.sign(modes.shape[:, place]) * np.sqrt(energy[:, place] / about["stiffness"])
+                self._shape[element] = displacement
                 force.append(about["stiffness"] * displacement)
                 mean.append(abs(about.get("mean_force", 0.0)))
         self._force = np.abs(np.array(force))

@@ -14,7 +14,7 @@ from ._table import Table
 from ._text_table import text_table
 from ._units import hertz_of
 from .description import Description
-from .schematic import draw_schematic, figure_size, joints_of
+from .schematic import draw_schematic, figure_size
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,6 +45,10 @@ class Modes(Table):
     rotation : ndarray, (modes, bodies), or None
         Rotation of each body, positive as it turns when the train runs, the turning of the whole train left out, the largest of a
         mode being 1.
+    energy : ndarray, (modes, elements), or None
+        Stiffness times squared displacement of each element in the motion with this rotation [N m].
+    rigid_rotation : ndarray, (motions, bodies), or None
+        Rotation of each body in the motions that deflect no element, the largest 1; None where springs to ground hold the train.
     train : Train
     """
 
@@ -58,6 +62,8 @@ class Modes(Table):
     element_label: tuple[str, ...]
     body: tuple[str, ...] | None = None
     rotation: NDArray[np.float64] | None = None
+    energy: NDArray[np.float64] | None = None
+    rigid_rotation: NDArray[np.float64] | None = None
     train: Description | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
@@ -85,17 +91,10 @@ class Modes(Table):
     def energy_shares(self, mode: int) -> dict[str, float]:
         """Share of each element in the potential energy of a mode, counted from 1, by the names of ``element``."""
         check_number("mode", mode, len(self.natural_frequency))
-        if self.train is None or self.rotation is None:
-            raise ValueError("these modes have no train, or no rotations of its bodies")
-        numbers, rotation = self.train.explain(), self.rotation[mode - 1]
-        energy = {}
-        for joint in joints_of(self.train):
-            if joint.element in self.element:
-                told, (one, other) = numbers[joint.element], joint.ends
-                driving, driven = told["base_radius"] if joint.is_mesh else (1.0, 1.0)
-                energy[joint.element] = float(told["stiffness"] * (driving * rotation[one] - driven * rotation[other]) ** 2)
-        total = sum(energy.values())
-        return {name: energy[name] / total for name in self.element}
+        if self.energy is None:
+            raise ValueError("these modes were written by an earlier version, without energies")
+        energy = self.energy[mode - 1]
+        return dict(zip(self.element, (energy / energy.sum()).tolist()))
 
     def plot(self, mode: int = 1, ax: Axes | None = None) -> Axes:
         """Draw a mode on the train: the colour of a body is its rotation, a line is as thick as the element has potential energy.
@@ -116,7 +115,8 @@ class Modes(Table):
         >>> train.modes().plot(2).figure.savefig("mode.png")  # doctest: +SKIP
         """
         shares = self.energy_shares(mode)
-        assert self.train is not None and self.rotation is not None
+        if self.train is None or self.rotation is None:
+            raise ValueError("these modes have no train, or no rotations of its bodies")
         ax = new_axes(ax, figsize=figure_size(self.train))
         from matplotlib import colormaps
         from matplotlib.cm import ScalarMappable

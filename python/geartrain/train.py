@@ -140,6 +140,13 @@ class Train(Description):
         """
         return self.modes().natural_frequency / lambda_of(self, 1.0, unit)
 
+    @property
+    def rigid_motions(self) -> NDArray[np.float64]:
+        """Rotation of each body in the motions that deflect no element, the largest 1, (motions, bodies); bodies turn in their own
+        senses. One motion turns the whole train, a differential has two, a train that a spring to ground holds has none."""
+        found = self.modes().rigid_rotation
+        return np.zeros((0, len(self.body_labels))) if found is None else found
+
     def frequency_gradient(self, parameters: Sequence[str], *, unit: Unit = "Lambda") -> NDArray[np.float64]:
         """Derivatives of the natural frequencies with respect to parameters.
 

@@ -103,6 +103,15 @@ contains
                                 &1`, ..., `driven end`', optional=.true.), modes%body)
          call carry(fields, row('rotation', 'mode body', '1', 'rotation of each body without the rotation of the whole train, &
                                 &positive in its running sense, largest 1', optional=.true.), modes%rotation)
+         call carry(fields, row('energy', 'mode element', 'N m', 'stiffness times squared displacement of each element in the &
+                                &motion with this rotation, in rad', optional=.true.), modes%energy)
+         n = 0
+         if (allocated(modes%rigid)) n = size(modes%rigid, 2)
+         if (.not. fields%has('rigid_rotation', n > 0)) return
+         call fields%index_axis('motion', n, 'independent motion that deflects no element')
+         call carry(fields, row('rigid_rotation', 'motion body', '1', 'rotation of each body in the motions that deflect no &
+                                &element, positive in its running sense, largest 1; none where springs to ground hold the train', &
+                                optional=.true.), modes%rigid)
       end associate
    end subroutine visit_fields
 

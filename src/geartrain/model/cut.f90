@@ -89,6 +89,7 @@ contains
       integer :: root(size(network%inertia)), ends(2, size(network%elements)), &
                  masses(2, size(network%elements)), bodies, b, n, p, parts
       integer, allocatable :: body(:), inside(:)
+      real(dp), allocatable :: drag(:), support(:)
 
       bodies = size(network%inertia)
       root = [(b, b=1, bodies)]
@@ -123,8 +124,15 @@ contains
          associate (part => cut%part(p), element => network%elements)
             part%ground_element = pack(inside, ends(1, inside) == ends(2, inside))
             inside = pack(inside, ends(1, inside) /= ends(2, inside))
-            call part%setup(body, network%inertia(body)/network%radius(body)**2, network%damping(body)/network%radius(body)**2, &
-                            network%support(body)/network%radius(body)**2, masses(:, inside), &
+            drag = [(0.0_dp, b=1, size(body))]
+            support = drag
+            do n = 1, size(part%ground_element)
+               associate (own => part%ground_element(n), mass => masses(1, part%ground_element(n)))
+                  drag(mass) = drag(mass) + cut%scale(own)**2*element(own)%damping
+                  if (element(own)%elastic) support(mass) = support(mass) + cut%scale(own)**2*element(own)%stiffness
+               end associate
+            end do
+            call part%setup(body, network%inertia(body)/network%radius(body)**2, drag, support, masses(:, inside), &
                             cut%scale(inside)**2*element(inside)%stiffness, cut%scale(inside)**2*element(inside)%damping)
             part%element = inside
             part%at = [integer ::]

@@ -7,7 +7,7 @@ module geartrain_model_drawing
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_variable, only: largest, smallest
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_model_bodies, only: find_ends
+   use geartrain_model_bodies, only: body_count, find_ends
    use geartrain_model_body, only: body_type
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, gear_pair_type, light_load, pair_geometry_type, &
       pair_stiffness_type, rectangular_wave
@@ -19,7 +19,8 @@ module geartrain_model_drawing
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: drop_drawing, gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, reduce_light_loads
+   public :: drop_drawing, gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, &
+      reduce_light_loads, state_count
 
    !> A gear as a disc.
    type :: gear_type
@@ -213,6 +214,20 @@ contains
       end if
       if (present(factor)) factor = share
    end subroutine reduce_light_loads
+
+   !> Number of values of a state: displacements and velocities of the coordinates. 0 for a train without bodies.
+   pure integer function state_count(train)
+      !> The train as given or plain; its shafts are allocated.
+      type(train_type), intent(in) :: train
+      type(train_type) :: plain
+      type(network_type) :: network
+
+      state_count = 0
+      if (body_count(train) == 0) return
+      call plain_train(train, plain)
+      call build_network(plain, network)
+      state_count = network%displacements + network%coordinates
+   end function state_count
 
    !> Whether diameters and lengths of the sections of a shaft are given, as many of each.
    pure logical function has_sections(shaft)

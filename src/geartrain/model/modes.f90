@@ -23,8 +23,11 @@ module geartrain_model_modes
       real(dp), allocatable :: damped_frequency(:), damping_ratio(:)
       !> Displacement of each element (mesh displacement, or shaft twist times base radius), largest 1, (element, mode).
       real(dp), allocatable :: shape(:, :)
-      !> Rotation of each body, the turning of the whole train left out, largest 1, (body, mode).
-      real(dp), allocatable :: rotation(:, :)
+      !> Rotation of each body, the turning of the whole train left out, largest 1, (body, mode); stiffness times squared
+      !> displacement of each element in this motion [N m], (element, mode).
+      real(dp), allocatable :: rotation(:, :), energy(:, :)
+      !> Rotation of each body in the motions that deflect no element, largest 1, (body, motion).
+      real(dp), allocatable :: rigid(:, :)
       !> 'shaft 1', 'mesh 1', ...: the elastic elements in the order of the case, (element).
       character(16), allocatable :: element(:)
       !> Names of the two bodies that an element joins, 'pinion - wheel'; in a chain as `element`, (element).
@@ -116,10 +119,20 @@ contains
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       integer, intent(out) :: info
-      real(dp) :: square(system%displacements)
+      real(dp) :: square(system%displacements), force(system%elements), turn
       integer :: i
 
-      allocate (modes%shape(system%elements, system%displacements), modes%rotation(size(system%network%node), system%displacements))
+      associate (nodes => system%network%node, modes_there => system%displacements)
+         allocate (modes%shape(system%elements, modes_there), modes%energy(system%elements, modes_there))
+         allocate (modes%rotation(size(nodes), modes_there))
+         allocate (modes%rigid(size(nodes), size(system%network%rigid, 2)), source=0.0_dp)
+         do i = 1, size(nodes)
+            if (nodes(i) > 0) modes%rigid(i, :) = system%network%rigid(nodes(i), :)
+         end do
+         do i = 1, size(modes%rigid, 2)
+            modes%rigid(:, i) = modes%rigid(:, i)/maxval(abs(modes%rigid(:, i)))
+         end do
+      end associate
       call eigenvalues_of(system, stiffness_at_rest(system), square, info, modes%shape)
       if (info /= 0) return
       modes%natural_frequency = sqrt(max(square, 0.0_dp))
@@ -127,19 +140,23 @@ contains
          modes%shape(:, i) = modes%shape(:, i) &
                              /sqrt(system%stiffness*merge(stiffness_at_rest(system), 1.0_dp, system%spring > 0))
          modes%shape(:, i) = modes%shape(:, i)/modes%shape(maxloc(abs(modes%shape(:, i)), 1), i)
-         call find_rotations(system%network, system%stiffness*stiffness_at_rest(system)*modes%shape(:, i), modes%rotation(:, i))
+         force = system%stiffness*stiffness_at_rest(system)*modes%shape(:, i)
+         call find_rotations(system%network, force, modes%rotation(:, i), turn)
+         ! Rotations are B^T k p/(I omega^2).
+         modes%energy(:, i) = force*modes%shape(:, i)*(square(i)*system%characteristic_frequency**2/turn)**2
       end do
       modes%shape = modes%shape(elastic(system), :)
+      modes%energy = modes%energy(elastic(system), :)
    end subroutine undamped
 
    !> Finds the rotations of the bodies from the elastic forces, in proportion to the inertia forces: the rigid motions are left
    !> out.
-   pure subroutine find_rotations(network, force, rotation)
+   pure subroutine find_rotations(network, force, rotation, largest)
       type(network_type), intent(in) :: network
       !> Force of each element, (element).
       real(dp), intent(in) :: force(:)
-      !> Rotation of each body, largest 1, (body).
-      real(dp), intent(out) :: rotation(:)
+      !> Rotation of each body, largest 1, (body); what it was divided by [rad/s^2].
+      real(dp), intent(out) :: rotation(:), largest
       real(dp) :: theta(0:size(network%inertia))
       integer :: n
 
@@ -149,7 +166,8 @@ contains
             theta(element%node) = theta(element%node) + element%entry*force(n)/network%inertia(element%node)
          end associate
       end do
-      theta = theta/maxval(abs(theta))
+      largest = maxval(abs(theta))
+      theta = theta/largest
       rotation = theta(network%node)
    end subroutine find_rotations
 

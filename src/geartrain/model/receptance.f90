@@ -145,9 +145,7 @@ contains
       real(dp), intent(in) :: omega
       !> Forces and derivatives, see above.
       complex(dp), intent(out) :: force(:), d_force(:)
-      complex(dp) :: amplitude
-      real(dp) :: push(2)
-      integer :: i, j, n, masses(2)
+      integer :: i, j
 
       force = 0
       d_force = 0
@@ -160,21 +158,38 @@ contains
             end associate
          end do
          do i = 1, size(cut%part(p)%element)
-            n = cut%part(p)%element(i)
-            j = system%element_mesh(n)
-            if (j == 0) cycle
-            associate (element => network%elements(n))
-               amplitude = amplitude_at(system%transmission_error(j), harmonic, eta)
-               if (.not. abs(amplitude) > 0) cycle
-               ! The mesh pushes its bodies apart along the line of action.
-               masses = cut%mass(element%node)
-               push = abs(cut%scale(n))*[-1, 1]
-               force(masses) = force(masses) + push*cmplx(element%stiffness, omega*element%damping, dp)*amplitude
-               d_force(masses) = d_force(masses) + push*cmplx(0, element%damping, dp)*amplitude
-            end associate
+            call push(system, cut%part(p)%element(i), omega, harmonic, eta, force, d_force)
+         end do
+         do i = 1, size(cut%part(p)%ground_element)
+            call push(system, cut%part(p)%ground_element(i), omega, harmonic, eta, force, d_force)
          end do
       end associate
    end subroutine find_sources
+
+   !> Adds the forces by the transmission error of an element: a mesh pushes its bodies along the line of action.
+   pure subroutine push(system, n, omega, harmonic, eta, force, d_force)
+      type(system_type), intent(in) :: system
+      !> Number of the element; see `find_sources`.
+      integer, intent(in) :: n, harmonic, eta
+      real(dp), intent(in) :: omega
+      complex(dp), intent(inout) :: force(:), d_force(:)
+      complex(dp) :: amplitude
+      real(dp) :: share
+      integer :: i
+
+      if (system%element_mesh(n) == 0) return
+      amplitude = amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
+      if (.not. abs(amplitude) > 0) return
+      associate (element => system%network%elements(n))
+         do i = 1, size(element%node)
+            share = element%entry(i)/system%network%radius(element%node(i))
+            associate (mass => system%cut%mass(element%node(i)))
+               force(mass) = force(mass) - share*cmplx(element%stiffness, omega*element%damping, dp)*amplitude
+               d_force(mass) = d_force(mass) - share*cmplx(0, element%damping, dp)*amplitude
+            end associate
+         end do
+      end associate
+   end subroutine push
 
    !> Computes the displacements of linear elements at one harmonic from the forces of the unknown meshes.
    pure subroutine linear_displacements(system, frequency_ratio, harmonic, eta, phi, p)
@@ -220,6 +235,8 @@ contains
                do i = 1, size(part%ground_element)
                   n = part%ground_element(i)
                   p(n) = cut%scale(n)*x(cut%mass(system%network%elements(n)%node(1)))
+                  if (system%element_mesh(n) > 0) &
+                     p(n) = p(n) + amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
                end do
                deallocate (x, dx, difference)
             end associate

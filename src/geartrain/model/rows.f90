@@ -15,7 +15,7 @@ module geartrain_model_rows
    !> Coefficients of a loop below this share of their terms are rounding [1].
    real(dp), parameter :: nothing = 1e-12_dp
    !> An amplitude whose term is below this share of the largest term is not replaced [1].
-   real(dp), parameter :: least_pivot = 1e-2_dp
+   real(dp), parameter :: least_pivot = 0.1_dp
 
    !> The displacement of an element: the sum of entry(i) times the rotation of node(i).
    type :: row_type
@@ -120,7 +120,12 @@ contains
             self%share(:, i) = self%share(:, i) - factor*share
             self%share(self%rank, i) = self%share(self%rank, i) + factor
          end if
-         self%motion(i, :) = self%motion(i, :) - factor*value
+         ! Terms that cancel leave nothing: their rounding would count as a motion.
+         where (abs(self%motion(i, :) - factor*value) > nothing*(abs(self%motion(i, :)) + abs(factor*value)))
+            self%motion(i, :) = self%motion(i, :) - factor*value
+         elsewhere
+            self%motion(i, :) = 0
+         end where
          self%motion(i, pivot) = 0
       end do
       self%free(pivot) = .false.

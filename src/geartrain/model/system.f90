@@ -142,11 +142,17 @@ contains
          end associate
       end do
       do n = 1, size(system%cut%part)
-         do i = 1, size(system%cut%part(n)%element)
-            j = system%element_mesh(system%cut%part(n)%element(i))
-            if (j == 0) cycle
-            if (size(system%transmission_error(j)%amplitude) > 0) system%cut%part(n)%excited = .true.
-         end do
+         associate (part => system%cut%part(n))
+            do i = 1, size(part%element) + size(part%ground_element)
+               if (i <= size(part%element)) then
+                  j = system%element_mesh(part%element(i))
+               else
+                  j = system%element_mesh(part%ground_element(i - size(part%element)))
+               end if
+               if (j == 0) cycle
+               if (size(system%transmission_error(j)%amplitude) > 0) part%excited = .true.
+            end do
+         end associate
       end do
    end subroutine build_system
 

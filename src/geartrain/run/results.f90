@@ -13,11 +13,10 @@ module geartrain_run_results
    use geartrain_base_numbers, only: text
    use geartrain_base_plain_text, only: escaped
    use geartrain_input_text, only: case_text
-   use geartrain_model_drawing, only: plain_train
+   use geartrain_model_drawing, only: plain_train, state_count
    use geartrain_model_drawing_warnings, only: warnings_text
    use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
    use geartrain_model_labels, only: held_labels, mesh_labels, shaft_labels
-   use geartrain_model_network, only: state_count
    use geartrain_model_train, only: train_type
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
