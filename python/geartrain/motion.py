@@ -94,6 +94,8 @@ class Motion(Pictures):
         ``"unbounded"`` where it was given up because it grew without bound.
     shaft_torque_mean, shaft_torque_minimum, shaft_torque_maximum : ndarray, (shafts,), or None
         In N m, over the period; NaN where rigid shafts side by side leave it undetermined.
+    reaction_torque_mean, reaction_torque_minimum, reaction_torque_maximum : ndarray, (held bodies,), or None
+        Torque in N m by which each held body is held, over the period; None where no body is held.
     train : Train
         The train that moves so.
     """
@@ -132,6 +134,9 @@ class Motion(Pictures):
     torque_min_uncertainty: Array | None = None
     torque_max_uncertainty: Array | None = None
     floating: bool = False
+    reaction_torque_mean: Array | None = None
+    reaction_torque_minimum: Array | None = None
+    reaction_torque_maximum: Array | None = None
     train: Description | None = field(default=None, repr=False)
 
     @property
@@ -175,6 +180,11 @@ class Motion(Pictures):
     def shaft_torque(self) -> Array:
         """Torque of the shafts in N m over one period, positive where the first body of a shaft drives, (samples, shafts)."""
         return self._period[3]
+
+    @property
+    def reaction_torque(self) -> Array:
+        """Torque in N m by which each held body is held, over one period or the window, (samples, held bodies)."""
+        return self._period[5]
 
     @cached_property
     def _period(self) -> tuple[Array, ...]:
@@ -246,13 +256,15 @@ class Motion(Pictures):
         return Trajectory(times, displacement[repeated], velocity[repeated], force[repeated], torque[repeated], samples)
 
     def _sample(self, samples: int, periods: int = 0, progress: Array | None = None) -> tuple[Array, ...]:
-        """Time, displacement, mesh force, shaft torque and velocity, over a period or over periods of the fundamental."""
+        """Time, displacement, force, shaft torque, velocity and reaction torque, over a period or periods of the fundamental."""
         watch = quiet() if progress is None else progress
+        shafts = len(self.train.shafts) if self.train else 0
+        held = sum(bool(body.held) for body in self.train.bodies or ()) if self.train else 0
         with self._box() as box:
             time, displacement, velocity, force, torque = fortran.sample_waveform(
-                box.handle, periods, samples, len(self.rms), len(self.train.shafts) if self.train else 0, watch
+                box.handle, periods, samples, len(self.rms), shafts + held, watch
             )
-            return time, displacement, force, torque, velocity
+            return time, displacement, force, torque[:, :shafts], velocity, torque[:, shafts:]
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.

@@ -40,7 +40,10 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "revolution_torque_cos": Variable("revolution_torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the torque on the body, orders 1, 2, ... of its revolution; every mesh must have teeth; [N m]"),
         "revolution_torque_sin": Variable("revolution_torque_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [N m]"),
         "damping_to_ground": Variable("damping_to_ground", "real", "float", 0.0, False, "Damping of the vibration of the body against the ground; give a mean drag as torque; [N m s/rad]; >= 0"),
-        "balances": Variable("balances", "logical", "bool", False, False, "The mean torque of the body balances all other torques, in a run-up also the acceleration of the inertias; True for exactly one body"),
+        "stiffness_to_ground": Variable("stiffness_to_ground", "real", "float", 0.0, False, "Stiffness of a spring between the body and the ground; it bears a mean torque, and the body cannot turn; [N m/rad]; >= 0"),
+        "held": Variable("held", "logical", "bool", False, False, "The body stands still, as a housing; its reaction torque is a result"),
+        "speed_ratio": Variable("speed_ratio", "real", "float", 0.0, False, "Mean speed of the body over that of `speed_of`, negative in the opposite sense; only where the gears leave it free, as in a differential"),
+        "balances": Variable("balances", "logical", "bool", False, False, "The mean torque of the body balances all other torques, in a run-up also the acceleration of the inertias; True for as many bodies as there are independent speeds, for none where a spring to ground holds the train"),
     },
     "shaft": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies at its two ends; none in a chain"),
@@ -56,6 +59,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     },
     "mesh": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies with the driving and the driven gear; none in a chain"),
+        "carrier": Variable("carrier", "text", "str", "", False, "Name of the body on which both gears ride, the arm of a planetary stage; none: their axes stand still"),
         "teeth": Variable("teeth", "reals", "Series", None, False, "Numbers of teeth of the driving and the driven gear; >= 3 and <= 100000"),
         "normal_module": Variable("normal_module", "real", "float", None, False, "Normal module; [m]; > 0"),
         "pressure_angle": Variable("pressure_angle", "real", "float", 20.0, False, "Normal pressure angle of the basic rack; [degree]; >= 10 and <= 35"),
@@ -217,6 +221,9 @@ class Body(Part, variables=VARIABLES["body"]):
     revolution_torque_cos: Series | None = None
     revolution_torque_sin: Series | None = None
     damping_to_ground: float | None = None
+    stiffness_to_ground: float | None = None
+    held: bool | None = None
+    speed_ratio: float | None = None
     balances: bool | None = None
 
 
@@ -241,6 +248,7 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     """A gear pair."""
 
     between: Sequence[str] | None = None
+    carrier: str | None = None
     teeth: Series | None = None
     normal_module: float | None = None
     pressure_angle: float | None = None

@@ -330,8 +330,7 @@ contains
       call carry(fields, row('minimum', 'point mesh', '1', about_minimum, optional=none), branch%minimum)
       call carry(fields, row('maximum', 'point mesh', '1', about_maximum, optional=none), branch%maximum)
       call carry_loads(fields, branch%mesh_load, branch%points)
-      if (fields%has('shaft_torque_mean', allocated(branch%shaft_torque_mean)) .or. &
-          fields%has('reaction_torque_mean', .false.)) then
+      if (fields%has('shaft_torque_mean', allocated(branch%shaft_torque_mean))) then
          call fields%index_axis('shaft', branch%shafts, about_shaft)
          if (fields%has('reaction_torque_mean', branch%held > 0)) call fields%index_axis('held', branch%held, about_held)
          call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &

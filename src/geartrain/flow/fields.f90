@@ -121,12 +121,9 @@ contains
          call coefficient_axis([(i, i=1, terms/2)], fields)
       end if
       call fields%index_axis('mesh', meshes, about_mesh)
-      torques_there = fields%has('shaft_torque_mean', shafts > 0)
+      torques_there = fields%has('shaft_torque_mean', shafts + held > 0)
       if (torques_there) call fields%index_axis('shaft', shafts, about_shaft)
-      if (fields%has('reaction_torque_mean', held > 0)) then
-         call fields%index_axis('held', held, about_held)
-         torques_there = .true.
-      end if
+      if (fields%has('reaction_torque_mean', held > 0)) call fields%index_axis('held', held, about_held)
       if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
          'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
          &a body last')
@@ -235,7 +232,7 @@ contains
       call carry(fields, of_displacement(3), uncertainty%minimum)
       call carry(fields, of_displacement(4), uncertainty%maximum)
       call carry(fields, of_displacement(5), uncertainty%force_maximum)
-      if (.not. torques_there .or. fields%length_of('shaft') == 0) return
+      if (.not. torques_there) return
       call carry_first(of_torques(1), uncertainty%torque_mean)
       call carry_first(of_torques(2), uncertainty%torque_minimum)
       call carry_first(of_torques(3), uncertainty%torque_maximum)

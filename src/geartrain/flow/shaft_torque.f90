@@ -45,12 +45,12 @@ contains
       real(dp), intent(in) :: spacing
       !> Forces of the elements over k b_c [1], (samples, element).
       real(dp), intent(in) :: phi(:, :)
-      !> Torques [N m], (samples, shaft); NaN where nothing determines it.
+      !> Torques [N m], (samples, shaft, then held body), those asked for; NaN where nothing determines it.
       real(dp), intent(out) :: torque(:, :)
       integer :: i, q, s
 
       associate (paths => system%torque_paths, length => system%characteristic_length)
-         do s = 1, paths%rows
+         do s = 1, size(torque, 2)
             torque(:, s) = paths%constant(s)
             do i = paths%first(s), paths%first(s + 1) - 1
                torque(:, s) = torque(:, s) + (paths%gain(i)*system%stiffness(paths%element(i))*length)*phi(:, paths%element(i))

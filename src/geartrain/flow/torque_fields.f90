@@ -10,8 +10,8 @@ module geartrain_flow_torque_fields
 
    character(*), parameter :: about_held = 'held body, in the order of the train'
 
-   !> Carries an array with the torques of the shafts, then of the held bodies, as two fields. The axes `shaft` and `held`, where
-   !> there are any, have been visited.
+   !> Carries an array with the torques of the shafts, then of the held bodies, as two fields. The axes `shaft` and, where
+   !> there are held bodies, `held` have been visited.
    interface carry_torque
       module procedure :: carry_torque_1, carry_torque_2
    end interface carry_torque
@@ -30,14 +30,13 @@ contains
 
       if (allocated(values) .and. fields%way /= reading) then
          n = min(size(values), max(0, fields%length_of('shaft')))
-         if (there(fields, 'shaft')) shafts = values(:n)
+         shafts = values(:n)
          if (there(fields, 'held')) held = values(n + 1:)
       end if
-      if (there(fields, 'shaft')) call carry(fields, of_shafts, shafts)
+      call carry(fields, of_shafts, shafts)
       if (there(fields, 'held')) call carry(fields, of_held, held)
       if (fields%way /= reading .and. fields%way /= arranging) return
-      if (.not. (allocated(shafts) .or. allocated(held))) return
-      if (.not. allocated(shafts)) allocate (shafts(0))
+      if (.not. allocated(shafts)) return
       if (.not. allocated(held)) allocate (held(0))
       values = [shafts, held]
    end subroutine carry_torque_1
@@ -54,14 +53,13 @@ contains
 
       if (allocated(values) .and. fields%way /= reading) then
          n = min(size(values, 1), max(0, fields%length_of('shaft')))
-         if (there(fields, 'shaft')) shafts = values(:n, :)
+         shafts = values(:n, :)
          if (there(fields, 'held')) held = values(n + 1:, :)
       end if
-      if (there(fields, 'shaft')) call carry(fields, of_shafts, shafts)
+      call carry(fields, of_shafts, shafts)
       if (there(fields, 'held')) call carry(fields, of_held, held)
       if (fields%way /= reading .and. fields%way /= arranging) return
-      if (.not. (allocated(shafts) .or. allocated(held))) return
-      if (.not. allocated(shafts)) allocate (shafts(0, size(held, 2)))
+      if (.not. allocated(shafts)) return
       if (.not. allocated(held)) allocate (held(0, size(shafts, 2)))
       call fields%check(size(shafts, 2) == size(held, 2), of_held%name)
       if (size(shafts, 2) /= size(held, 2)) return

@@ -43,6 +43,12 @@ contains
          end if
          return
       end if
+      if (turning%motions == 1 .and. .not. turning%determined .and. turning%reference > 0) then
+         call checker%enter('train', 1)
+         call checker%complain('speed_of', "'"//train%bodies(turning%reference)%name//"'", 'stands still: name a body that turns')
+         call checker%leave()
+         return
+      end if
       if (turning%motions > 1 .and. .not. turning%determined) then
          i = findloc(train%bodies%ratio_given, .true., 1)
          call checker%enter('body', i)

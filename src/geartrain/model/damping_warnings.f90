@@ -95,8 +95,8 @@ contains
       given = 0
       if (found%shaft(n) > 0) then
          if (.not. train%shafts(found%shaft(n))%damping_given) given = train%shafts(found%shaft(n))%damping_ratio
-      else if (.not. train%meshes(found%mesh(n))%damping_given) then
-         given = train%meshes(found%mesh(n))%damping_ratio
+      else if (found%mesh(n) > 0) then
+         if (.not. train%meshes(found%mesh(n))%damping_given) given = train%meshes(found%mesh(n))%damping_ratio
       end if
       if (.not. own > 0) then
          words = words//', which has none'
@@ -149,6 +149,9 @@ contains
          words = 'shaft '//integer_text(found%shaft(n))
          shafts = shaft_labels(train)
          label = shafts(found%shaft(n))
+      else if (found%mesh(n) == 0) then
+         words = 'a spring to ground'
+         label = words
       else
          words = 'mesh '//integer_text(found%mesh(n))
          meshes = mesh_labels(train)

@@ -163,6 +163,7 @@ contains
 
       associate (body => context%given%bodies(i), k => context%kinematics)
          if (.not. fields%enter(body%name, 'body', .true.)) return
+         if (body%held) return
          words = as_given
          if (body%inertia < 0) then
             words = 'of its discs, sum of pi rho b (D^4 - d^4)/32'

@@ -265,9 +265,11 @@ contains
       real(dp), allocatable :: factor(:)
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer, allocatable :: balancing(:)
+      logical :: held(size(inertia))
       integer :: n
 
-      call bodies_of(train, inertia, torque, balancing)
+      call bodies_of(train, inertia, torque, balancing, held)
+      where (held) inertia = huge(inertia)
       call find_ends(train, shaft_ends, mesh_ends)
       associate (mesh => train%meshes)
          frequency = sqrt(mesh%stiffness)*hypot(mesh%driving_radius/sqrt(inertia(mesh_ends(1, :))), &
