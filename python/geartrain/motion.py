@@ -248,7 +248,7 @@ class Motion(Pictures):
         own = self.period or periods
         if max(own, periods) * samples >= 2**31:
             raise InputError(f"periods = {periods}: of {samples} samples each, must be below {2**31 // samples}")
-        time, displacement, force, torque, velocity = watched(
+        time, displacement, force, torque, velocity, _ = watched(
             lambda progress: self._sample(own * samples, 0 if self.period else periods, progress), "trajectory", in_parts=False
         )
         repeated = np.arange(periods * samples) % len(time)
@@ -258,9 +258,9 @@ class Motion(Pictures):
     def _sample(self, samples: int, periods: int = 0, progress: Array | None = None) -> tuple[Array, ...]:
         """Time, displacement, force, shaft torque, velocity and reaction torque, over a period or periods of the fundamental."""
         watch = quiet() if progress is None else progress
-        shafts = len(self.train.shafts) if self.train else 0
-        held = sum(bool(body.held) for body in self.train.bodies or ()) if self.train else 0
         with self._box() as box:
+            shafts = len(self.train.shafts) if self.train else 0
+            held = sum(bool(body.held) for body in self.train.bodies or ()) if self.train else 0
             time, displacement, velocity, force, torque = fortran.sample_waveform(
                 box.handle, periods, samples, len(self.rms), shafts + held, watch
             )

@@ -90,7 +90,7 @@ contains
       element%held_entry = [real(dp) ::]
    end subroutine touch_ground
 
-   !> Magnitude of the entry of the first element at a node [m]; 1 where there is none.
+   !> Magnitude of the first entry at a node that is not 0 [m]; 1 where there is none.
    pure real(dp) function radius_at(elements, node)
       type(element_type), intent(in) :: elements(:)
       integer, intent(in) :: node
@@ -100,6 +100,7 @@ contains
       do n = 1, size(elements)
          i = findloc(elements(n)%node, node, 1)
          if (i == 0) cycle
+         if (.not. abs(elements(n)%entry(i)) > 0) cycle
          radius_at = abs(elements(n)%entry(i))
          return
       end do

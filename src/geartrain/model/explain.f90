@@ -176,7 +176,7 @@ contains
          call carry(fields, field_type('inertia', '', 'kg m^2', words), context%plain%bodies(i)%inertia)
          if (.not. context%toothed) return
          if (.not. k%known) return
-         turns = k%turning%speed(i)
+         turns = abs(k%turning%speed(i))
          call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth'), turns)
          if (k%revolution_order(i) > 0) &
             call carry(fields, field_type('revolution_order', '', '1', 'its revolution as a multiple of the fundamental'), &

@@ -322,6 +322,7 @@ contains
                associate (a => network%elements(n)%node(1), b => network%elements(n)%node(2), entry => network%elements(n)%entry, &
                           radius => network%radius)
                   if ((abs(radius(a)) > 0) .eqv. (abs(radius(b)) > 0)) cycle
+                  if (.not. all(abs(entry) > 0)) cycle
                   changed = .true.
                   if (abs(radius(a)) > 0) then
                      radius(b) = -radius(a)*(entry(2)/entry(1))
