@@ -57,6 +57,25 @@ def test_a_branch_prints_its_part(told):
     assert repr(results.response) == "<Branch of 149 points: reached Lambda = 2.6>"
 
 
+def test_a_sweep_prints_its_part(told):
+    """The sentences and torques of the executable on time integration, and the forces as arrays."""
+    printed, results = told
+    sweep = results.integration
+    own = str(sweep)
+    assert own == sweep.report() and "Response" not in own
+    sentence = re.compile(r"Time integration, motions.*?(?= The torque|$)")
+    assert sentence.search(flat("\n".join(section(own, "RESULT")))).group() in flat(printed)
+    assert "Integration: all 242 motions settled." in section(own, "QUALITY")[0]
+    assert section(own, "MODES") == section(printed, "MODES")
+    row = section(own, "SHAFTS")[2].split()
+    assert float(row[3]) == digits(sweep.shaft_torque_minimum[:, 1].min())
+    assert float(row[6]) == digits(sweep.shaft_torque_maximum[:, 1].max())
+    assert sweep.mesh_force_maximum.shape == (242, 2) and repr(sweep).startswith("<Sweep of 242 motions")
+    one = sweep[0].train.sweep(start=0.9, stop=0.9, points=1)
+    assert "Time integration: Lambda 0.9, 1 motion" in str(one)
+    assert str(gt.Sweep([])) == repr(gt.Sweep([]))
+
+
 def test_sections_stand_in_their_order(told):
     printed, _ = told
     found = [line for line in printed.splitlines() if re.fullmatch("[A-Z-]+", line)]
