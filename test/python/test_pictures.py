@@ -299,7 +299,7 @@ def test_a_motion_of_the_reducer_in_ms_and_orders(drawn):
     assert axes[1].get_xlabel() == "time  [ms]" and axes[2].get_xlabel() == "order, per revolution of motor"
     assert axes[0].get_legend().get_title().get_text() == "1500 rpm of motor"
     time, displacement = axes[0].lines[0].get_data()
-    # Four tooth periods of mesh 2, the slowest excitation; a whole period is a revolution of the middle shaft.
+    # Four cycles of mesh 2, the slowest excitation; a whole period is a revolution of the middle shaft.
     np.testing.assert_array_equal(displacement, motion.displacement[:len(displacement), 1])
     whole = 1e3 * 60 / 1500 * 71 / 23
     assert time[-1] == pytest.approx(4 / 19 * whole, rel=1e-3)
