@@ -245,6 +245,38 @@ def test_a_drawing_has_its_units(tmp_path):
     assert re.search(r"^ +16\d\d\.\d +23 +6\d\d\.?\d* +3 ", words, re.MULTILINE)
 
 
+def test_a_transmission_error_without_phase_is_told(told):
+    """Amplitudes of error_cos alone say nothing of the phase; a sine, or a stiffness that does not vary, settles it."""
+    train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    told_of = "The transmission error of {} has no phase against the stiffness"
+    first, second = train.meshes
+    for meshes, words in (
+        ((first, second), "meshes 1, 2"),
+        ((first, replace(second, error_sin=[1e-7])), "mesh 1"),
+        ((replace(first, error_cos=None), second), "mesh 2"),
+        ((replace(first, error_cos=None), replace(second, stiffness_cos=[0.0])), ""),
+    ):
+        changed = replace(train, meshes=meshes)
+        asked = {"start": 1500, "stop": 1500, "unit": "rpm", "points": 1}
+        report = flat(str(changed.sweep(**asked))) if words == "meshes 1, 2" else ""
+        explained = str(changed.explain())
+        assert explained.count("its phase against the stiffness is open") == {"": 0, "meshes 1, 2": 2}.get(words, 1)
+        assert not report or told_of.format(words) in report, report
+    assert "phase against" not in told[0]
+
+
+def test_a_number_in_another_unit_is_in_the_report():
+    """A shaft 32 m thick: the warning stands in the report, which outlives the terminal; the orders are those of the motor."""
+    train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    shaft = replace(train.shafts[2], diameter=[32.0])
+    with pytest.warns(gt.DrawingWarning):
+        slip = replace(train, shafts=[*train.shafts[:2], shaft])
+    quality = flat("\n".join(section(str(slip.sweep(start=1500, stop=1500, unit="rpm", points=1)), "QUALITY")))
+    assert "Warning: &shaft 3: diameter = 32.0: the unit is the metre (30 mm are 0.03)" in quality
+    branch = train.response(start=1650, stop=1690, unit="rpm", harmonics=0, tolerance=1e-2)
+    assert "Warning" not in str(branch) and "order: per revolution of motor" in flat(str(branch))
+
+
 def test_one_of_a_kind_is_singular(told):
     printed, results = told
     train = results.response.train
