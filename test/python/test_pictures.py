@@ -107,6 +107,12 @@ def test_unequal_shafts_have_panels(branch):
     assert all(panel.yaxis.get_offset_text().get_text() == "" for panel in panels)
     given = plt.figure().subplots()
     assert branch.plot(quantity="shaft_torque", ax=given) is given and len(given.figure.axes) == 1
+    # Axes of the user are scaled as a picture of its own, unless they hold something already.
+    empty, taken = plt.figure().subplots(1, 2)
+    taken.plot([0.4, 0.5], [0.0, 100.0])
+    for axes in (empty, taken):
+        branch.plot(ax=axes, quantity="rms")
+    assert empty.get_ylim() == branch.plot(quantity="rms").get_ylim() and taken.get_ylim()[1] > 100
     assert len(branch.plot(quantity="mesh_force").figure.axes) == 1
 
 
