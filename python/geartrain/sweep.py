@@ -125,7 +125,7 @@ class Sweep(list[Motion]):
 
         Examples
         --------
-        >>> print(train.sweep(start=0.4, stop=0.8, points=3).report().splitlines()[2])
+        >>> print(train.sweep(start=0.4, stop=0.8, points=3).report().splitlines()[1])
         Time integration: Lambda 0.4 to 0.8, 3 motions
         """
         train = self[0].train
