@@ -154,7 +154,7 @@ contains
       if (number > 0) steps = analyses(number)%steps
       if (analysis == 'random starts') steps = 'starts'
       if (analysis == 'settling') steps = 'periods'
-      if (analysis == 'settling by time') steps = 'tooth periods'
+      if (analysis == 'settling by time') steps = 'mesh cycles'
       line = analysis//': '//counted(done, singular(steps), trim(steps))
       if (steps /= 'rows') then
          call self%told(number)%with_unit(self%told(number)%number(frequency_ratio), place)

@@ -88,7 +88,7 @@ def curve_section(found):
     rows = found["rows"]
     skipped = "".join(f"- {item['label']}: not measured: {item['reason']}\n" for item in found["skipped"])
     swept = [
-        f"{row['label']}: {row['run']} of its {row['points']}, {row['errors']['elsewhere']} settled on motions off this curve"
+        f"{row['label']}: {row['run']} of its {row['points']}, {row['errors']['elsewhere']} settled on motions of other curves"
         for row in rows
         if row["swept"]
     ]
@@ -169,7 +169,7 @@ The next table has the fastest method below an error of the waveform, and its ti
 
 def size_rows(rows, *shape):
     return [
-        (row["size"], *shape, *(spread(row[key]) if row.get(key) else "not measured" for key in ("without", "with")))
+        (row["size"], *shape, *(duration(row[key]) if row.get(key) else "not measured" for key in ("without", "with")))
         for row in rows
     ]  # fmt: skip
 
@@ -199,8 +199,11 @@ Figure 3's train with more harmonics:
 
 
 def tree_rows(trees):
-    """Times of a point of each shape, size by size."""
-    return [row for rows in zip(*(size_rows(rows, shape) for shape, rows in trees.items()), strict=True) for row in rows]
+    """Times of a point of each shape, of a small and of the largest size."""
+    sizes = sorted({row["size"] for rows in trees.values() for row in rows})
+    shown = (sizes[0], sizes[-1])
+    return [row for rows in zip(*(size_rows([row for row in rows if row["size"] in shown], shape) for shape, rows in trees.items()),
+                                strict=True) for row in rows]
 
 
 def cores_section(found):

@@ -175,11 +175,11 @@ contains
                    'x.nml:6:1: error: &mesh 2: follows &mesh 1: a &shaft must stand between them')
       call refused(tests, good//shaft, 'x.nml:7:1: error: &shaft 3: follows &shaft 2: a &mesh must stand between them')
       call refused(tests, train//mesh//shaft, 'x.nml:3:1: error: &mesh 1: stands before any &shaft: the train begins with a shaft')
-      call refused(tests, train//shaft//mesh, 'x.nml:4:1: error: &mesh 1: is the end of the train: a &shaft must follow it')
+      call refused(tests, train//shaft//mesh, 'x.nml:4:1: error: &mesh 1: is the last group of the train: a &shaft must follow it')
       call refused(tests, train//shaft//mesh//response//shaft, &
                    'x.nml:7:1: error: &shaft 2: stands after &response: the train comes before the analyses')
-      call refused(tests, train//shaft, 'x.nml: error: there are 1 &shaft and 0 &mesh groups: a train is shaft, mesh, shaft at &
-                   &least')
+      call refused(tests, train//shaft, 'x.nml: error: there are 1 &shaft and 0 &mesh groups: a train needs &
+                   &&shaft, &mesh, &shaft at least')
       call refused(tests, good//achar(0), 'x.nml: error: this is a binary file, not a namelist')
    end subroutine structure
 

@@ -345,7 +345,7 @@ contains
       call told(', centre_distance = 0.1225', 'centre_distance = 0.1225: contradicts teeth, profile_shift and backlash: the flanks &
                 &touch without backlash at 0.121645 m, and have 0.00066461 m of it here')
       call told(', centre_distance = 121.6', 'centre_distance = 121.6: contradicts teeth, profile_shift and backlash: the flanks &
-                &touch without backlash at 0.121645 m; metres are meant, is it in millimetres?')
+                &touch without backlash at 0.121645 m; the unit is the metre: is it in millimetres?')
       call told(', tip_diameter = 0.05, 0.18', 'tip_diameter = 0.05: must be > 0.055705 m, the base circle of the gear of 23 teeth')
       call told(', tip_diameter = 0.08, 0.18', 'tip_diameter = 0.08: must be smaller: the flanks of the gear of 23 teeth meet &
                 &below it')
@@ -388,7 +388,7 @@ contains
       call read(first//second, train, text)
       train%bodies(1)%torque = 0
       call warnings_text(train, text)
-      call tests%is_true(index(text, '&mesh 1: it bears no load') == 1 .and. index(text, 'give stiffness [N/m]') > 0, &
+      call tests%is_true(index(text, '&mesh 1: it carries no load') == 1 .and. index(text, 'give stiffness [N/m]') > 0, &
                          'no load, and what to do about it: '//text)
       train%meshes(1)%stiffness = 1e8_dp
       train%meshes(2)%stiffness = 1e8_dp

@@ -64,7 +64,7 @@ contains
    subroutine other_units(tests)
       class(tests_type), intent(inout) :: tests
       character(*), parameter :: nothing_left = ' m: it leaves nothing of the teeth, whose pitch at the working pitch circle is &
-         &0.008131 m; metres are meant (60 um is 60e-6)'
+         &0.008131 m; the unit is the metre (60 um is 60e-6)'
 
       ! Impossible: no tooth is left by a gap as wide as the pitch, pi m_n/cos(beta) = 8.131 mm; along the line of action half a gap
       ! is half of that times cos(20.647 degrees).
@@ -76,34 +76,34 @@ contains
                    &contradicts teeth, profile_shift and backlash: the flanks touch without backlash at 0.121645 m, and have &
                    &0.008079 m of it here')
       call is_told(tests, 'helix_angle = 15.0', 'helix_angle = 15.0, centre_distance = 121.6', '&mesh 1: centre_distance = 121.6: &
-                   &contradicts teeth, profile_shift and backlash: the flanks touch without backlash at 0.121645 m; metres are &
-                   &meant, is it in millimetres?')
+                   &contradicts teeth, profile_shift and backlash: the flanks touch without backlash at 0.121645 m; the unit &
+                   &is the metre: is it in millimetres?')
       call is_told(tests, 'helix_angle = 15.0, face_width = 0.04, backlash = 60e-6', 'helix_angle = 15.0, face_width = 0.04, &
                    &centre_distance = 121.6', '&mesh 1: centre_distance = 121.6: contradicts teeth and profile_shift: the flanks &
-                   &touch without backlash at 0.121645 m; metres are meant, is it in millimetres?')
-      call is_told(tests, 'normal_module = 2.5e-3', 'normal_module = 2.5', '&mesh 1: normal_module = 2.5: must be <= 1 m; metres &
-                   &are meant (2.5 mm are 2.5e-3)')
+                   &touch without backlash at 0.121645 m; the unit is the metre: is it in millimetres?')
+      call is_told(tests, 'normal_module = 2.5e-3', 'normal_module = 2.5', '&mesh 1: normal_module = 2.5: must be <= 1 m; the unit &
+                   &is the metre (2.5 mm are 2.5e-3)')
       call is_told(tests, 'face_width = 0.04', 'face_width = 0.04, bore = 28, 40', '&mesh 1: bore value 1 = 28.0: must be < &
-                   &0.059528 m, the reference diameter of the gear of 23 teeth; metres are meant (28 mm are 0.028)')
+                   &0.059528 m, the reference diameter of the gear of 23 teeth; the unit is the metre (28 mm are 0.028)')
       ! Possible, but hardly meant.
       call is_warned(tests, 'backlash = 60e-6', 'backlash = 2e-3', '&mesh 1: backlash = 0.002: more than half a module')
       call is_warned(tests, 'error_cos = 3e-6', 'error_cos = 3.0', '&mesh 1: error_cos = 3.0: more than the backlash')
       call is_warned(tests, 'error_cos = 3e-6', 'error_sin = 0.0, -3e-3', '&mesh 1: error_sin = -0.003: more than the backlash')
-      call is_warned(tests, 'diameter = 0.04', 'diameter = 40.0', '&shaft 2: diameter = 40.0: metres are meant')
-      call is_warned(tests, 'length = 0.15', 'length = 150.0', '&shaft 1: length = 150.0: metres are meant')
+      call is_warned(tests, 'diameter = 0.04', 'diameter = 40.0', '&shaft 2: diameter = 40.0: the unit is the metre')
+      call is_warned(tests, 'length = 0.15', 'length = 150.0', '&shaft 1: length = 150.0: the unit is the metre')
       call is_warned(tests, 'damping_ratio = 0.01', 'damping_ratio = 1.0', '&shaft 1: damping_ratio = 1.0: from 1 on')
       call is_warned(tests, 'damping_ratio = 0.05', 'damping_ratio = 5.0', '&mesh 1: damping_ratio = 5.0: from 1 on')
-      call is_warned(tests, 'density = 7850.0', 'density = 7.85', '&mesh 1: density = 7.85: kg/m^3 are meant')
-      call is_warned(tests, 'density = 7800.0', 'density = 7.8', '&body 6: density = 7.8: kg/m^3 are meant')
-      call is_warned(tests, 'outer_diameter = 0.5', 'outer_diameter = 500.0', '&body 6: outer_diameter = 500.0: metres are meant')
-      call is_warned(tests, 'width = 0.03', 'width = 30.0', '&body 6: width = 30.0: metres are meant')
-      call is_warned(tests, 'helix_angle = 15.0', 'helix_angle = 0.2618', '&mesh 1: helix_angle = 0.2618: degrees are meant')
-      call is_warned(tests, 'normal_module = 2.5e-3', 'normal_module = 0.25', '&mesh 1: normal_module = 0.25: metres are meant')
+      call is_warned(tests, 'density = 7850.0', 'density = 7.85', '&mesh 1: density = 7.85: the unit is kg/m^3')
+      call is_warned(tests, 'density = 7800.0', 'density = 7.8', '&body 6: density = 7.8: the unit is kg/m^3')
+      call is_warned(tests, 'outer_diameter = 0.5', 'outer_diameter = 500.0', '&body 6: outer_diameter = 500.0: the unit is the')
+      call is_warned(tests, 'width = 0.03', 'width = 30.0', '&body 6: width = 30.0: the unit is the metre')
+      call is_warned(tests, 'helix_angle = 15.0', 'helix_angle = 0.2618', '&mesh 1: helix_angle = 0.2618: the unit is the degree')
+      call is_warned(tests, 'normal_module = 2.5e-3', 'normal_module = 0.25', '&mesh 1: normal_module = 0.25: the unit is')
       ! The teeth as drawn have 23*2.5e-3/cos(15 degrees) of pitch diameter; ISO 6336-1 gives about 20 N/(mm um) of 40 mm.
       call is_warned(tests, 'face_width = 0.04', 'face_width = 0.04, stiffness = 800.0', &
                      '&mesh 1: stiffness = 800.0: by ISO 6336-1')
       call is_warned(tests, 'diameter = 0.03', 'diameter = 0.30', '&shaft 1: diameter = 0.3: thicker than the gear of 23 teeth')
-      call is_warned(tests, 'face_width = 0.04, backlash = 60e-6', 'face_width = 0.04', '&mesh 1: has no backlash, as other meshes')
+      call is_warned(tests, 'face_width = 0.04, backlash = 60e-6', 'face_width = 0.04', '&mesh 1: has no backlash, although other')
       call is_warned(tests, 'face_width = 0.07', 'face_width = 70.0', '&mesh 2: face_width = 70.0: beside a pitch diameter')
    end subroutine other_units
 

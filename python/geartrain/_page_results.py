@@ -24,6 +24,7 @@ from .description import Description
 from .errors import InputError
 from .schematic import draw_schematic, figure_size
 from .special_point import SpecialPoints
+from .stability_map import map_words
 from .summary import speeds
 from .variables import ANALYSES
 
@@ -385,6 +386,7 @@ def _of_map(chart: Any, block: Block) -> dict[str, Any]:
     """A stability map."""
     return {
         "parameter": chart.name, "unit": chart.unit, "ended": in_own_unit(chart.ended, chart.train), "linear": chart.linear,
+        "words": map_words(chart),
         "lambda": block.add(chart.frequency, "f8"), "values": block.add(chart.parameter, "f8"),
         "motions": block.add(chart.motions, "i4"), "stable_motions": block.add(chart.stable_motions, "i4"),
         "spectral_radius": block.add(chart.spectral_radius),

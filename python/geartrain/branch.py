@@ -245,8 +245,11 @@ class Branch(Curves):
         Examples
         --------
         >>> audit = branch.audit(points=20)
-        >>> audit
-        <Audit: 20 of 20 as estimated, 0 verdicts wrong; 10 of 10 special points confirmed>
+        >>> print(*repr(audit).split("; "), sep="\\n")
+        <Audit: Errors of 20 of 20 points are as estimated
+        stability is wrong at 0 points
+        10 of 10 special points confirmed
+        jumps and contact ranges are not audited>
         >>> audit.ok, float(audit.ratio[:20].max().round(1))
         (True, 1.1)
         """

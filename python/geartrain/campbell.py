@@ -143,13 +143,15 @@ class Campbell:
         return cls(modes.natural_frequency * hertz, modes.damping_ratio, orders, tuple(ordered), (low, high), train)
 
     def __str__(self) -> str:
+        known = any(crossing.order.per_revolution is not None for crossing in self.crossings)
+        turns = f"per revolution of {self.train.speed_name}" if known else "per revolution"
         return text_table({
             "speed [rpm]": [crossing.speed for crossing in self.crossings],
             "Lambda": [own_lambda(crossing.frequency, crossing.speed) for crossing in self.crossings],
             "mode": [crossing.mode for crossing in self.crossings],
             "natural [Hz]": [crossing.natural_frequency for crossing in self.crossings],
-            "order": [crossing.order.order for crossing in self.crossings],
-            "per revolution": [crossing.order.per_revolution for crossing in self.crossings],
+            "order of fundamental": [crossing.order.order for crossing in self.crossings],
+            turns: [crossing.order.per_revolution for crossing in self.crossings],
             "force/mean": [f"{crossing.over_mean:.2g}" for crossing in self.crossings],
             "rank": [crossing.rank for crossing in self.crossings],
             "excited by": [crossing.order.name for crossing in self.crossings],
@@ -217,7 +219,8 @@ class Campbell:
             if any(crossing.matters is matters for crossing in self.crossings):
                 ax.plot([], [], linestyle="none", marker="o", label=words, **{**_LOOKS[matters], **style})
         known = any(order.per_revolution is not None for order in self.orders)
-        put_legend(ax, own, title=f"orders per revolution of {self.train.speed_name}" if known else r"orders of $\Lambda$")
+        turns = f"orders per revolution of {self.train.speed_name}"
+        put_legend(ax, own, title=turns if known else r"orders of the fundamental $\Lambda$")
         return ax
 
     def _mark_crossings(self, ax: Axes, per_lambda: float, style: dict[str, Any]) -> list[tuple[float, float]]:

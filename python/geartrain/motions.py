@@ -74,11 +74,12 @@ class Motions(list[Motion]):
 
     def _verdict(self) -> str:
         if self.complete:
-            return "the indices add up"
+            return "the sums of the indices are as expected"
         sums = ", ".join(f"{self.index_sum[n]} of period {n} (must be {expected})" for n, expected in self.expected_sum.items()
                          if expected is None or self.index_sum[n] != expected)
         sums = sums.replace("None", "unknown")
-        return f"{'some are missing' if self.complete is False else 'whether some are missing is not known'}: sum of indices {sums}"
+        missing = "motions are missing" if self.complete is False else "not known whether motions are missing"
+        return f"{missing}: the sum of the indices is {sums}"
 
     def __repr__(self) -> str:
         return f"<{len(self)} motions at Lambda = {self.frequency:g}: {self._verdict()}>"

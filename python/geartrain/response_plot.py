@@ -124,9 +124,9 @@ class Curves(Readings):
     ) -> Axes:
         """Draw a quantity over the speed: stable solid, unstable dashed; ``branches`` thinner.
 
-        A picture on axes of its own is scaled to the stable motions that repeat after one period, and says where stable motions lie
-        beyond. Shafts or meshes too unequal for one picture have panels one below another, of which the uppermost is returned. What
-        a response that ended early has not computed is hatched, and the legend says why.
+        A picture on axes of its own, or on empty axes, is scaled to the stable motions that repeat after one period, and says where
+        stable motions lie beyond. Shafts or meshes too unequal for one picture have panels one below another, of which the
+        uppermost is returned. What a response that ended early has not computed is hatched, and the legend says why.
 
         Parameters
         ----------
@@ -169,6 +169,8 @@ class Curves(Readings):
         columns = curves[0].chosen(mesh, shaft)
         settled = self._settled(curves, columns)
         own, split = ax is None, ax is None and curves[0].are_unequal(settled)
+        # Axes that hold nothing yet are scaled as a picture of its own is; what others have drawn keeps its scale.
+        scaled = ax is None or not ax.has_data()
         axes = new_panels(ax, [curves[0].names[column] for column in columns], split)
         style = line_style(style)
         label = style.pop("label", None)
@@ -188,7 +190,7 @@ class Curves(Readings):
                     draw_range(ax, frequency, drawn[0], drawn[1], between.stable, between.segment, thin["color"])
                 thin["linewidth"], mark = 0.8, None
             colors.append(thin["color"])
-        if own:
+        if scaled:
             self._scale(axes, settled, curves, columns, factor)
         keys = self._mark_unstable(style)
         if jumps:

@@ -68,7 +68,7 @@ class RunUp(Table):
         [N m], damping, static torque and the acceleration of the inertias included; NaN where rigid shafts side by side leave
         it undetermined.
     window_time : ndarray, (windows,)
-        Middle of each window [s]; a window is a tooth period of the slowest mesh.
+        Middle of each window [s]; a window is a cycle of the slowest mesh.
     mesh_force_minimum, mesh_force_maximum : ndarray, (windows, meshes)
         Extremes over each window [N], between samples as well.
     shaft_torque_minimum, shaft_torque_maximum : ndarray, (windows, shafts)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._captions import number_words
 from ._dataset import dataset
 from ._draw import COLORS, draws, new_axes
 from ._extras import extra
@@ -159,7 +160,10 @@ class StabilityMap(Table):
         ax = new_axes(ax)
         values: NDArray[Any] = getattr(self, what)
         if what == "spectral_radius":
-            defaults: dict[str, Any] = {"cmap": "RdBu_r", "vmin": 0.5, "vmax": 1.5}
+            # White is 1. Where all multipliers are near 1, fewer colours would leave a white picture.
+            far = float(np.nanmax(abs(values - 1), initial=0.0))
+            half = min(0.5, far) if far > 0 else 0.5
+            defaults: dict[str, Any] = {"cmap": "RdBu_r", "vmin": 1 - half, "vmax": 1 + half}
         else:
             values = np.ma.masked_less(values, 0)
             most = max(1, int(values.max()) if values.count() else 1)
@@ -185,6 +189,7 @@ class StabilityMap(Table):
             ax.axis(limits)
             ax.legend(fontsize=8)
         ax.grid(visible=False)
+        ax.set_title(map_words(self, unit), fontsize=8)
         ax.set_xlabel(units.frequency)
         ax.set_ylabel(_NAMES.get(self.name, self.name.replace("_", " ")) + (f"  [{self.unit}]" if self.unit != "1" else ""))
         return ax
@@ -196,6 +201,21 @@ class StabilityMap(Table):
         found = dataset(self.path, {**arrays, **derived}, attributes)
         found["parameter"].attrs["units"] = self.unit
         return found
+
+
+def map_words(chart: StabilityMap, unit: Unit | None = None) -> str:
+    """Whether a map has stable and unstable points, and how narrow a range of frequencies it does not show."""
+    units = units_of(chart.train, unit)
+    stable = chart.stable_motions > 0
+    words = "stable in part of the map"
+    if stable.all():
+        words = f"stable everywhere: |multiplier| at most {number_words(float(np.nanmax(chart.spectral_radius)))}"
+    elif not stable.any():
+        words = "no stable motion of this period anywhere"
+    if len(chart.frequency) > 1:
+        step = units.per_lambda * float(np.diff(chart.frequency).max())
+        words += f"; ranges narrower than {number_words(step)} {units.unit}, the step, may be missed"
+    return words
 
 
 def _full(name: str) -> str:

@@ -175,8 +175,9 @@ class Study:
             f"{self.call} of {len(plan)} points, {len(plan) - len(plan.distinct)} of them duplicates",
             *(f"   {name}: {_range(values)}" + (" of the train's own" if self.space.relative[name] else "")
               for axis in self.space.axes for name, values in axis.columns.items()),
-            f"kept of each: {', '.join(self.keep)}",
-            f"there: {len(own)}" + (f", {sum(status != DONE for status in own)} of them failed" if own else "") + f"; left: {left}",
+            f"stored of each point: {', '.join(self.keep)}",
+            f"points done: {len(own)}" + (f", {sum(status != DONE for status in own)} of them failed" if own else "")
+            + f"; to do: {left}",
             problem or f"expected: {_duration(seconds or 0)} a point, {_duration(total or 0)} on {cores()} cores",
         ]
         failed = sum(status != DONE for status in own)

@@ -108,8 +108,8 @@ class Jump:
         Other stable motions of the branch at this frequency. With more than one ``after`` is a guess: a sweep may reach another, or
         a motion of another period; ``train.integrate(start=...)`` tells.
     undecided : bool
-        Whether it rests on undecided points: no decided point near it is stable on one side and none unstable on the other, or the
-        motion after it is undecided.
+        Whether the jump is a guess: the nearest decided points are not stable on one side and unstable on the other, or the motion
+        after the jump is undecided, or another stable motion ends within the estimated errors of both folds.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
     parameter : float or None

@@ -65,6 +65,21 @@ class Sweep(list[Motion]):
         return np.array([motion.dynamic_factor for motion in self])
 
     @property
+    def mesh_force_maximum(self) -> Array:
+        """Largest mesh force [N], (motions, meshes)."""
+        return np.array([motion.mesh_force_maximum for motion in self])
+
+    @property
+    def shaft_torque_minimum(self) -> Array:
+        """Smallest torque of each shaft [N m], (motions, shafts)."""
+        return np.array([motion.shaft_torque_minimum for motion in self])
+
+    @property
+    def shaft_torque_maximum(self) -> Array:
+        """Largest torque of each shaft [N m], (motions, shafts)."""
+        return np.array([motion.shaft_torque_maximum for motion in self])
+
+    @property
     def speed(self) -> Array | None:
         """Speed [rpm] of the body that `Train.speed_name` tells, (motions,); None where not every mesh has teeth."""
         return speed_of(self[0].train if self else None, self.frequency)
@@ -96,6 +111,34 @@ class Sweep(list[Motion]):
         attributes = {"ended": self.ended, "complete": self.complete}
         coordinates = ("frequency", "speed", "fundamental_frequency", "direction")
         return motions_dataset(INTEGRATION, self, coordinates, attributes, direction=list(self.direction))
+
+    def __str__(self) -> str:
+        return self.report() if self and self[0].train is not None else repr(self)
+
+    def report(self, *, verbose: bool = False) -> str:
+        """The report that the executable prints of these motions: `str` of a sweep is the same text.
+
+        Parameters
+        ----------
+        verbose : bool
+            Every range, as with ``--verbose``.
+
+        Examples
+        --------
+        >>> print(train.sweep(start=0.4, stop=0.8, points=3).report().splitlines()[1])
+        Time integration: Lambda 0.4 to 0.8, 3 motions
+        """
+        train = self[0].train
+        if train is None:
+            raise ValueError("this sweep has no train")
+        ways = sorted({*self.direction}) or ["up"]
+        settings = {
+            "start": float(self.frequency.min()), "stop": float(self.frequency.max()),
+            "points": max(self.direction.count(way) for way in ways), "direction": ways[0] if len(ways) == 1 else "both",
+        }
+        with train._ask(integration=settings) as box:
+            self._put(box)
+            return box.report(verbose)
 
     def __repr__(self) -> str:
         return f"<Sweep of {len(self)} motions: {in_own_unit(self.ended, self[0].train if self else None)}>"

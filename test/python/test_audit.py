@@ -28,8 +28,8 @@ def test_every_case_is_as_shooting_says(executable, tmp_path, name):
     assert done.returncode == 0, done.stdout
     # A slow machine expects a long audit.
     assert all("s expected" in line for line in done.stderr.splitlines()), done.stderr
-    lines = [line for line in done.stdout.splitlines() if "as estimated" in line]
-    assert lines and all(", 0 verdicts wrong" in line for line in lines)
+    lines = [line for line in done.stdout.splitlines() if " as estimated" in line]
+    assert lines and all("stability is wrong at 0 points; " in line for line in lines)
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -51,7 +51,7 @@ def test_several_cases_and_what_cannot_be_audited(executable, tmp_path):
     assert done.returncode == 2
     assert f"{names[1]}: error: nothing to audit: add &response" in done.stderr
     assert any(line.startswith("bad.nml:") for line in done.stderr.splitlines())
-    assert done.stdout.startswith(f"{names[0]}:\nResponse\n") and "20 of 20 as estimated" in done.stdout
+    assert done.stdout.startswith(f"{names[0]}:\nResponse\n") and "Errors of 20 of 20 points are as estimated" in done.stdout
     for option in ("--resume", "--check", "--output=x.h5"):
         done = run(executable, "--audit", names[0], option, cwd=tmp_path)
         assert done.returncode == 2 and done.stderr.startswith("geartrain: error: ")

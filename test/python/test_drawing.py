@@ -91,7 +91,7 @@ def test_a_formula_outside_its_range_is_warned_of(drawn):
         paper_train()
         reducer()
     rattle = ROOT / "namelists" / "rattle.nml"
-    with pytest.warns(gt.DrawingWarning, match="far below the loads that ISO 6336-1 is for.*stiffness") as told:
+    with pytest.warns(gt.DrawingWarning, match="far below the loads for which ISO 6336-1 holds.*stiffness") as told:
         found = gt.read_case(rattle).train
         replace(found, title="another")
         copy.deepcopy(found)

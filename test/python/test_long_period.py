@@ -112,8 +112,9 @@ def test_a_stability_change_says_what_it_lacks(train, branch, whole):
     for call in (change.exact, lambda: change.gradient(["mesh 1 damping_ratio"])):
         with pytest.raises(gt.InputError, match=r"a stability change is where the growth rate passes 0 .* multipliers = True"):
             call()
-    with pytest.raises(gt.InputError, match=f"locus: {TOLD}, .*followed for motions of up to 32 cycles only"):
+    with pytest.raises(gt.InputError, match=f"locus: {TOLD}.*for motions of up to 32 mesh cycles:") as told:
         train.locus(change, parameter="input_torque", start=0.3, stop=0.5)
+    assert "&stability_map" not in str(told.value)
     with pytest.raises(gt.InputError, match="a stability change, not a period doubling"):
         branch.period_doubled(change)
     assert change.frequency == pytest.approx(whole.special_points[0].frequency, rel=1e-6)
@@ -181,6 +182,21 @@ def test_a_run_is_written_read_resumed_and_reported(executable, tmp_path):
     done = run(executable, case, "--output", tmp_path / "other.h5", "--resume")
     assert done.returncode == 0, done
     assert_equal_files(tmp_path / "whole.h5", tmp_path / "other.h5")
+
+
+def test_the_map_that_a_refused_locus_names_is_computed(executable, tmp_path, train):
+    """Of 67 mesh cycles: too many for a curve of special points, few enough for a map."""
+    response = "&response from = 0.02, to = 0.04, harmonics = 0 /\n"
+    case = write(tmp_path, response + "&locus near = 0.03, parameter = 'input_torque', from = 0.3, to = 0.5 /\n")
+    case.write_text(re.sub(r"order += \d+", "order = 67", case.read_text()))
+    done = run(executable, "--check", case, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "the period is 67 mesh cycles. A curve of special points is followed for motions of up to 32" in done.stderr
+    assert "or &stability_map over the parameter" in done.stderr
+    chart = train.with_values({"mesh 1 order": 67}).stability_map(
+        start=0.02, stop=0.021, points=2, parameter="input_torque", parameter_start=0.3, parameter_stop=0.5, parameter_points=2,
+        harmonics=0, tolerance=1e-2)
+    assert chart.complete and (chart.motions > 0).all()
 
 
 @pytest.mark.parametrize(("analyses", "line", "group"), [

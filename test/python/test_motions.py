@@ -21,7 +21,7 @@ def test_figure_3_where_two_motions_of_period_2_coexist():
     assert [(motion.period, motion.stable) for motion in found] == [(1, True), (2, True), (2, False)]
     assert found.index_sum == found.expected_sum == {1: 1, 2: 1} and found.complete
     assert found.how[2].endswith((" from a random state", " from a random waveform"))
-    assert str(found).endswith("the indices add up")
+    assert str(found).endswith("the sums of the indices are as expected")
 
 
 def test_a_parametric_resonance_turns_the_sum():
@@ -90,7 +90,7 @@ def test_a_missing_motion_is_told():
     found = paper_train().motions(0.7, period=1, starts=20, seeds=10)
     fewer = gt.Motions([(motion, how) for motion, how in zip(found, found.how) if motion.stable], 0.7, {1: 1})
     assert fewer.complete is False and fewer.index_sum == {1: 3}
-    assert "some are missing: sum of indices 3 of period 1 (must be 1)" in str(fewer)
+    assert "motions are missing: the sum of the indices is 3 of period 1 (must be 1)" in str(fewer)
 
 
 def test_index_is_the_sign_of_the_determinant():

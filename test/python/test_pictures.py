@@ -107,6 +107,12 @@ def test_unequal_shafts_have_panels(branch):
     assert all(panel.yaxis.get_offset_text().get_text() == "" for panel in panels)
     given = plt.figure().subplots()
     assert branch.plot(quantity="shaft_torque", ax=given) is given and len(given.figure.axes) == 1
+    # Axes of the user are scaled as a picture of its own, unless they hold something already.
+    empty, taken = plt.figure().subplots(1, 2)
+    taken.plot([0.4, 0.5], [0.0, 100.0])
+    for axes in (empty, taken):
+        branch.plot(ax=axes, quantity="rms")
+    assert empty.get_ylim() == branch.plot(quantity="rms").get_ylim() and taken.get_ylim()[1] > 100
     assert len(branch.plot(quantity="mesh_force").figure.axes) == 1
 
 
@@ -299,7 +305,7 @@ def test_a_motion_of_the_reducer_in_ms_and_orders(drawn):
     assert axes[1].get_xlabel() == "time  [ms]" and axes[2].get_xlabel() == "order, per revolution of motor"
     assert axes[0].get_legend().get_title().get_text() == "1500 rpm of motor"
     time, displacement = axes[0].lines[0].get_data()
-    # Four tooth periods of mesh 2, the slowest excitation; a whole period is a revolution of the middle shaft.
+    # Four cycles of mesh 2, the slowest excitation; a whole period is a revolution of the middle shaft.
     np.testing.assert_array_equal(displacement, motion.displacement[:len(displacement), 1])
     whole = 1e3 * 60 / 1500 * 71 / 23
     assert time[-1] == pytest.approx(4 / 19 * whole, rel=1e-3)

@@ -43,6 +43,9 @@ def test_a_campbell_diagram_of_the_reducer(drawn):
         assert crossing.natural_frequency == pytest.approx(hertz[crossing.mode - 1])
     assert len(str(diagram).splitlines()) == 1 + len(expected) and "excited by" in str(diagram)
     assert "Lambda" not in str(diagram)  # it is the speed
+    heading, first = str(diagram).splitlines()[:2]
+    assert "order of fundamental" in heading and "per revolution of motor" in heading
+    assert int(first.split()[3]) in (19, 38, 57, 71)
     ax = diagram.plot()
     assert ax.get_xlabel() == "speed of motor  [rpm]" and ax.get_ylabel() == "frequency  [Hz]" and ax.get_xlim() == (200.0, 4000.0)
     marks = [line for line in ax.lines if line.get_marker() == "o" and len(line.get_xdata())]

@@ -9,7 +9,7 @@ from conftest import ROOT, paper_train, run
 
 import geartrain as gt
 
-PEAK = re.compile(r"Mesh (\d+)[^:]*: largest force (\S+) N, (\S+) times the mean, at (?:Lambda )?([\d.]+)")
+PEAK = re.compile(r"Mesh (\d+)[^:]*: largest force (\S+) N(?: \(error [^)]*\))?, (\S+) times the mean, at (?:Lambda )?([\d.]+)")
 
 
 def flat(text):
@@ -55,6 +55,25 @@ def test_a_branch_prints_its_part(told):
     for name in ("MODES", "RESONANCES"):
         assert section(own, name) == section(printed, name)
     assert repr(results.response) == "<Branch of 149 points: reached Lambda = 2.6>"
+
+
+def test_a_sweep_prints_its_part(told):
+    """The sentences and torques of the executable on time integration, and the forces as arrays."""
+    printed, results = told
+    sweep = results.integration
+    own = str(sweep)
+    assert own == sweep.report() and "Response" not in own
+    sentence = re.compile(r"Time integration, motions.*?(?= The torque|$)")
+    assert sentence.search(flat("\n".join(section(own, "RESULT")))).group() in flat(printed)
+    assert "Integration: all 242 motions settled." in section(own, "QUALITY")[0]
+    assert section(own, "MODES") == section(printed, "MODES")
+    row = section(own, "SHAFTS")[2].split()
+    assert float(row[3]) == digits(sweep.shaft_torque_minimum[:, 1].min())
+    assert float(row[6]) == digits(sweep.shaft_torque_maximum[:, 1].max())
+    assert sweep.mesh_force_maximum.shape == (242, 2) and repr(sweep).startswith("<Sweep of 242 motions")
+    one = sweep[0].train.sweep(start=0.9, stop=0.9, points=1)
+    assert "Time integration: Lambda 0.9, 1 motion" in str(one)
+    assert str(gt.Sweep([])) == repr(gt.Sweep([]))
 
 
 def test_sections_stand_in_their_order(told):
@@ -165,6 +184,38 @@ def test_jumps_and_bands_are_sentences(told):
     )
 
 
+@pytest.mark.parametrize("harmonics", [4, 6])
+def test_errors_of_the_largest_forces_hold(harmonics):
+    """Against the refined branch, whose motions are exact; over eight trains the error is up to 1.8 times the estimate."""
+    asked = {"start": 0.85, "stop": 1.4, "harmonics": harmonics}
+    branch, refined = (paper_train().response(**asked, refine=refine) for refine in (False, True))
+    found = re.findall(r"Mesh (\d)[^:]*: largest force \S+ N \(error (?:below )?(\S+) %", flat(str(branch)))
+    assert [int(mesh) for mesh, _ in found] == [1, 2] and len(branch) == len(refined)
+    for mesh, percent in found:
+        force = branch.mesh_force_maximum[:, int(mesh) - 1]
+        at = np.where(branch.stable, force, 0).argmax()
+        exact = refined.mesh_force_maximum[at, int(mesh) - 1]
+        assert refined.correction[at] >= 0
+        assert abs(force[at] / exact - 1) < 2 * float(percent) / 100
+    assert "(error" not in str(refined)
+
+
+def test_a_force_that_a_sweep_does_not_reach_says_so():
+    """Mesh 1 of figure 3 at Lambda 1.59, and mesh 2 at the fold of 0.732: by sweeps in time."""
+    train = paper_train()
+    words = flat(str(train.response(start=0.5, stop=1.8)))
+    assert re.search(r"Mesh 1: largest force 883\d N [^;]* at Lambda 1\.59\d+ \(not reached by a rising sweep\);", words)
+    up, down = (train.sweep(start=1.5, stop=1.7, points=21, direction=way) for way in ("up", "down"))
+    largest = [max(motion.mesh_force_maximum[0] for motion in sweep if motion.frequency < 1.62) for sweep in (up, down)]
+    assert largest[0] < 5000 and largest[1] > 8800
+    words = flat(str(train.response(start=0.5, stop=0.8)))
+    assert re.search(r"Mesh 2: largest force 388\d+ N [^;]* at Lambda 0\.7320 \(not reached by a falling sweep\);", words)
+    falling = train.sweep(start=0.5, stop=0.9, points=41, direction="down")
+    assert max(motion.mesh_force_maximum[1] for motion in falling) < 31000
+    # A linear train has one motion at each speed.
+    assert "not reached" not in str(paper_train(half_backlash=0.0).response(start=0.5, stop=1.8))
+
+
 @pytest.mark.parametrize("torque", [150.0, -150.0])
 def test_the_load_may_be_on_either_flank(torque):
     """A train with symmetric teeth is its own mirror image: the same ranges, told of the other flanks."""
@@ -192,6 +243,38 @@ def test_a_drawing_has_its_units(tmp_path):
     assert f"mesh {mesh + 1} from {before} to {after}" in flat(words)
     # The first mesh at 23 per turn of the motor and the third mode.
     assert re.search(r"^ +16\d\d\.\d +23 +6\d\d\.?\d* +3 ", words, re.MULTILINE)
+
+
+def test_a_transmission_error_without_phase_is_told(told):
+    """Amplitudes of error_cos alone say nothing of the phase; a sine, or a stiffness that does not vary, settles it."""
+    train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    told_of = "The transmission error of {} has no phase against the stiffness"
+    first, second = train.meshes
+    for meshes, words in (
+        ((first, second), "meshes 1, 2"),
+        ((first, replace(second, error_sin=[1e-7])), "mesh 1"),
+        ((replace(first, error_cos=None), second), "mesh 2"),
+        ((replace(first, error_cos=None), replace(second, stiffness_cos=[0.0])), ""),
+    ):
+        changed = replace(train, meshes=meshes)
+        asked = {"start": 1500, "stop": 1500, "unit": "rpm", "points": 1}
+        report = flat(str(changed.sweep(**asked))) if words == "meshes 1, 2" else ""
+        explained = str(changed.explain())
+        assert explained.count("its phase against the stiffness is open") == {"": 0, "meshes 1, 2": 2}.get(words, 1)
+        assert not report or told_of.format(words) in report, report
+    assert "phase against" not in told[0]
+
+
+def test_a_number_in_another_unit_is_in_the_report():
+    """A shaft 32 m thick: the warning stands in the report, which outlives the terminal; the orders are those of the motor."""
+    train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    shaft = replace(train.shafts[2], diameter=[32.0])
+    with pytest.warns(gt.DrawingWarning):
+        slip = replace(train, shafts=[*train.shafts[:2], shaft])
+    quality = flat("\n".join(section(str(slip.sweep(start=1500, stop=1500, unit="rpm", points=1)), "QUALITY")))
+    assert "Warning: &shaft 3: diameter = 32.0: the unit is the metre (30 mm are 0.03)" in quality
+    branch = train.response(start=1650, stop=1690, unit="rpm", harmonics=0, tolerance=1e-2)
+    assert "Warning" not in str(branch) and "order: per revolution of motor" in flat(str(branch))
 
 
 def test_one_of_a_kind_is_singular(told):

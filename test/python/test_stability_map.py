@@ -51,6 +51,23 @@ def test_plot(chart, what):
     mpl.pyplot.close(ax.figure)
 
 
+def test_a_map_says_what_it_shows(train, chart):
+    """A map of stable motions alone is no white picture, and each tells what its grid cannot show."""
+    step = np.diff(chart.frequency).max()
+    ax = chart.plot()
+    assert ax.get_title() == f"stable in part of the map; ranges narrower than {step:.4g} Lambda, the step, may be missed"
+    assert ax.collections[0].get_clim()[1] - 1 == pytest.approx(min(0.5, abs(chart.spectral_radius - 1).max()))
+    mpl.pyplot.close(ax.figure)
+    calm = train.stability_map(**{**RANGE, "parameter_start": 1e-4, "parameter_stop": 2e-4}, linear=True)
+    ax = calm.plot()
+    largest = calm.spectral_radius.max()
+    assert largest < 1 and ax.get_title().startswith(f"stable everywhere: |multiplier| at most {largest:.4g};")
+    low, high = ax.collections[0].get_clim()
+    far = abs(calm.spectral_radius - 1).max()
+    assert (low, high) == pytest.approx((1 - min(0.5, far), 1 + min(0.5, far)))
+    mpl.pyplot.close(ax.figure)
+
+
 def test_plot_knows_what_it_can_draw(chart):
     with pytest.raises(gt.InputError, match="what = 'rms': must be"):
         chart.plot("rms")

@@ -191,7 +191,7 @@ def test_the_parts_of_an_array_job_make_the_whole(folder, whole):
 
 def test_the_status_of_a_folder(folder, capsys, tmp_path):
     assert main([str(folder), "--status"]) == 0
-    assert f"there: 0; left: {POINTS}" in capsys.readouterr().out
+    assert f"points done: 0; to do: {POINTS}" in capsys.readouterr().out
     assert main([str(tmp_path / "nowhere")]) == 4
     assert "nowhere: holds no study" in capsys.readouterr().err
 

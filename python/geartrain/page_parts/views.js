@@ -110,6 +110,7 @@ function mapView(panel) {
     draw();
   });
   const notes = main.loci.map((locus) => `Thick line: ${locus.kind}; it ended by ${locus.ended}.`);
+  if (chart) notes.unshift(`${chart.words[0].toUpperCase()}${chart.words.slice(1)}.`);
   if (chart) notes.unshift(`${chart.linear ? "Of the train without backlash. " : ""}${chart.ended}.`);
   panel.append(
     make("div", { class: "controls" }, unitChoice("map"), what),
@@ -151,7 +152,10 @@ function mapTraces(chart) {
     }),
   );
   const radius = state.mapWhat === "spectral_radius",
-    most = Math.max(1, ...z.flat().filter((v) => v != null));
+    found = z.flat().filter((v) => v != null),
+    most = Math.max(1, ...found),
+    // White is 1. Where all multipliers are near 1, fewer colours would leave a white picture.
+    half = Math.min(0.5, Math.max(...found.map((v) => Math.abs(v - 1)))) || 0.5;
   const colors = ["#440154", "#31688e", "#35b779", "#fde725", "#ffffff", "#bbbbbb"];
   const steps = range(most + 1).flatMap((k) => [k, k + 1].map((edge) => [edge / (most + 1), colors[Math.min(k, 5)]]));
   const traces = [
@@ -161,7 +165,7 @@ function mapTraces(chart) {
       y,
       z,
       hoverongaps: false,
-      ...(radius ? { colorscale: AROUND_ONE, zmin: 0.5, zmax: 1.5 } : { colorscale: steps, zmin: -0.5, zmax: most + 0.5 }),
+      ...(radius ? { colorscale: AROUND_ONE, zmin: 1 - half, zmax: 1 + half } : { colorscale: steps, zmin: -0.5, zmax: most + 0.5 }),
       colorbar: {
         title: { text: radius ? "largest |multiplier|" : state.mapWhat.replace("_", " "), side: "right" },
         thickness: 14,
@@ -254,7 +258,7 @@ function runUpView(panel) {
   panel.append(
     make("div", { class: "controls" }, unitChoice("run-up"), main.shafts.length ? what : null),
     plot,
-    make("p", { class: "note" }, `Smallest to largest value in each tooth period of the slowest mesh. ${main.runUp.ended}.`),
+    make("p", { class: "note" }, `Smallest to largest value in each cycle of the slowest mesh. ${main.runUp.ended}.`),
   );
   function draw() {
     const { low, high } = main.runUp[along],

@@ -108,8 +108,8 @@ contains
       call v%enter('attractors', 1)
       call v%on_real(row('frequency', '', 'frequency, in `unit`', required=.true., above=zero), settings%frequency)
       call visit_unit(settings%unit, v)
-      call v%on_integer(row('starts', '', 'random starts: displacements up to three times the static one, velocities up to this &
-                            &amplitude times the frequency of the mesh alone', least=one, &
+      call v%on_integer(row('starts', '', 'number of random starts: displacements up to three times the static displacement, &
+                            &velocities up to this displacement times the natural frequency of the mesh alone', least=one, &
                             most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same starts'), settings%random_seed)
       call v%on_logical(row('follow', '', 'follow each motion that lies on no branch of the case as a further branch, over the &

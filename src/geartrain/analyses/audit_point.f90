@@ -72,7 +72,7 @@ contains
          if (.not. agrees(row) .or. contradicts(row)) call follow_exact(corrector, branch, row)
          call judge_estimate(row)
          row%verdict_wrong = contradicts(row)
-         if (row%verdict_wrong) call tell('verdict wrong', row)
+         if (row%verdict_wrong) call tell('stability wrong', row)
       end associate
    end subroutine audit_point
 

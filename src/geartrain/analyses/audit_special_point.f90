@@ -68,7 +68,7 @@ contains
          ! Between two special points of one step no point tells how many multipliers are outside.
          where (shares_step(branch, special)) sides = 0
          row%verdict_wrong = contradicts(branch, row%kind, sides(1), first) .or. contradicts(branch, row%kind, sides(2), last)
-         if (row%verdict_wrong) row%finding = 'verdict wrong'
+         if (row%verdict_wrong) row%finding = 'stability wrong'
       else
          row%finding = 'no '//trim(row%kind)//' found near it'
          row%verdict_wrong = row%kind == 'fold' .or. all(sides > 0)

@@ -65,16 +65,18 @@ contains
       if (value >= 0) write (number, form) value
    end function number
 
-   !> Adds the line '20 of 20 as estimated, 0 verdicts wrong; 10 of 10 special points confirmed'.
+   !> Adds the line 'Errors of 20 of 20 points are as estimated; stability is wrong at 0 points; 10 of 10 special points are
+   !> confirmed'.
    subroutine add_summary(audit, lines)
       type(audit_type), intent(in) :: audit
       character(:), allocatable, intent(inout) :: lines
 
-      lines = lines//text(audit%as_estimated)//' of '//text(audit%points)//' as estimated, '
-      if (audit%doubtful > 0) lines = lines//text(audit%doubtful)//' doubtful, '
-      lines = lines//counted(audit%wrong_verdicts, 'verdict', 'verdicts')//' wrong'
-      if (audit%special_points > 0) lines = lines//'; '//text(audit%confirmed)//' of '//text(audit%special_points)// &
-                                          trim(merge(' special point ', ' special points', audit%special_points == 1))//' confirmed'
+      lines = lines//'Errors of '//text(audit%as_estimated)//' of '//counted(audit%points, 'point', 'points')//' are as estimated'
+      if (audit%doubtful > 0) lines = lines//', '//text(audit%doubtful)//' called doubtful'
+      lines = lines//'; stability is wrong at '//counted(audit%wrong_verdicts, 'point', 'points')
+      if (audit%special_points > 0) lines = lines//'; '//text(audit%confirmed)//' of '// &
+         counted(audit%special_points, 'special point', 'special points')//' confirmed'
+      lines = lines//'; jumps and contact ranges are not audited'
       if (audit%cancelled) lines = lines//'; cancelled'
    end subroutine add_summary
 

@@ -87,23 +87,24 @@ contains
       call visit_unit(settings%unit, v)
       call v%on_integer(row('mesh', '', 'number of the mesh whose displacement and velocity the starts vary', &
                             least=one), settings%mesh)
-      call v%on_real(row('displacement_from', '', 'one end of the range of displacement over characteristic_length; both ends 0: &
-                         &plus and minus three times the static displacement'), settings%displacement_start)
-      call v%on_real(row('displacement_to', '', 'other end of the range of displacement'), settings%displacement_stop)
+      call v%on_real(row('displacement_from', '', 'displacement at one end of the grid over characteristic_length; where both ends &
+                         &are 0, the range is plus and minus three times the static displacement'), settings%displacement_start)
+      call v%on_real(row('displacement_to', '', 'displacement at the other end of the grid'), settings%displacement_stop)
       call v%on_integer(row('displacement_points', '', 'starts along the displacement, both ends included', least=one, &
                             most=most_points), &
                         settings%displacement_points)
-      call v%on_real(row('velocity_from', '', 'one end of the range of velocity over characteristic_length times &
-                         &characteristic_frequency; both ends 0: plus and minus three times the static displacement times the &
-                           &frequency of the mesh alone'), settings%velocity_start)
-      call v%on_real(row('velocity_to', '', 'other end of the range of velocity'), settings%velocity_stop)
+      call v%on_real(row('velocity_from', '', 'velocity at one end of the grid over characteristic_length times &
+                         &characteristic_frequency; where both ends are 0, the range is plus and minus three times the static &
+                           &displacement times the natural frequency of the mesh alone'), settings%velocity_start)
+      call v%on_real(row('velocity_to', '', 'velocity at the other end of the grid'), settings%velocity_stop)
       call v%on_integer(row('velocity_points', '', 'starts along the velocity, both ends included', least=one, most=most_points), &
                         settings%velocity_points)
       call v%on_integer(row('starts', '', 'random starts that find the motions first, as in &attractors', least=one, &
                             most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same random starts'), settings%random_seed)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which a start near no known motion is integrated &
-                            &until it settles, at most 64 more', least=one), settings%max_periods)
+      call v%on_integer(row('max_periods', '', 'longest time of a start in periods of the fundamental; a start that is then &
+                            &near no known motion is integrated for up to 64 periods more, until it settles', least=one), &
+                        settings%max_periods)
       call visit_long_period(settings%long_period, v)
       call v%leave()
    end subroutine visit_basins

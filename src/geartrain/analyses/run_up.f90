@@ -123,7 +123,7 @@ contains
          samples = settings%samples*settings%duration/period*2*max(start, stop)/(start + stop)
          if (.not. windows*settings%duration/period <= most_samples) then
             call checker%complain('duration', real_text(settings%duration), 'must be shorter: the run-up has '// &
-               text(anint(windows*settings%duration/period))//' tooth periods of the slowest mesh, and '// &
+               text(anint(windows*settings%duration/period))//' cycles of the slowest mesh, and '// &
                integer_text(most_samples)//' at most')
          else if (.not. samples <= most_samples) then
             call checker%complain('samples', integer_text(settings%samples), 'must be fewer: the run-up has '// &
@@ -283,7 +283,7 @@ contains
          call carry_torque(fields, field('shaft_torque', 'time shaft', 'N m', 'total torque of the shaft; NaN for a rigid shaft'), &
                            field('reaction_torque', 'time held', 'N m', 'torque by which a held body is held', &
                                  'where a body is held'), result%shaft_torque)
-         call carry(fields, field('window_time', 'window', 's', 'middle of the window, a tooth period of the slowest mesh'), &
+         call carry(fields, field('window_time', 'window', 's', 'middle of the window, a cycle of the slowest mesh'), &
                                   result%window_time)
          call carry(fields, field('mesh_force_minimum', 'window mesh', 'N', &
                                   'smallest mesh force in the window, also between samples'), result%force_minimum)
@@ -325,8 +325,8 @@ contains
          told = frequency_text(train, self%settings%unit, max(ramp%start, ramp%stop), min(ramp%start, ramp%stop))
          call told%with_unit(text(ramp%start*told%per_lambda)//' to '//text(ramp%stop*told%per_lambda), words)
          call sheet%add(in_head, 'Run-up: '//words//' in '// &
-                        significant(ramp%duration/system%characteristic_frequency)//' s, '//counted(n, 'tooth period', &
-                        'tooth periods')//' of the slowest mesh')
+                        significant(ramp%duration/system%characteristic_frequency)//' s, '//counted(n, 'cycle', 'cycles')// &
+                        ' of the slowest mesh')
          if (n > 0) then
             at = ramp%start + ramp%acceleration*system%characteristic_frequency*result%window_time(:n)
             width = max(maxval(len_trim(mesh_names(train))) + 3, maxval([0, len_trim(shaft_names(train))]) + 5)
@@ -381,8 +381,12 @@ contains
          if (abs(mean - usual) <= worth_telling*abs(usual)) return
          words = 'mean '//significant(mean)//of//', at constant speed '//significant(usual)//of
          ! The change of the magnitude: a load on the coast flank is negative.
-         if (abs(mean - usual) < 10*abs(usual)) words = words//' ('//fixed(100*(abs(mean) - abs(usual))/abs(usual), 1)//' %)'
-         if (mean*usual < 0) words = words//', the load is reversed'
+         if (mean*usual < 0) then
+            words = words//', the load is reversed'
+         else if (abs(mean - usual) < 10*abs(usual)) then
+            words = words//' ('//fixed(100*abs(abs(mean) - abs(usual))/abs(usual), 1)//' % '// &
+                    trim(merge('more', 'less', abs(mean) > abs(usual)))//')'
+         end if
          call sheet%say(in_run_up, '  '//words)
       end subroutine put
 
@@ -415,7 +419,8 @@ contains
          call sheet%say(in_result, words//'.')
       end subroutine say_result
 
-      !> Adds a sentence on forces against the load of meshes whose unloaded flanks do not touch, as far as the samples show.
+      !> Adds a sentence on the first mesh whose force changes its sign though its unloaded flanks do not touch, as far as the
+      !> samples show.
       subroutine say_negative()
          type(train_type) :: plain
          character(:), allocatable :: note
@@ -434,9 +439,9 @@ contains
                end associate
                note = ''
                if (meshes(i)%damping_acts == 'always') &
-                  note = " and while they are apart; with damping_acts = 'contact' in &mesh only the first part remains"
-               call sheet%say(in_run_up, 'Forces against the load without contact of the other flanks come from the mesh &
-                              &damping while teeth separate'//note//'.')
+                  note = " and while they are apart. With damping_acts = 'contact' in &mesh it acts in contact only"
+               call sheet%say(in_run_up, 'The force of mesh '//text(i)//' changes its sign although the unloaded flanks do not &
+                              &touch: its damping pulls while the teeth separate'//note//'.')
                return
             end do
          end associate

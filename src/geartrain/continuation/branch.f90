@@ -359,7 +359,7 @@ contains
                                 &NaN: shooting finds no orbit near the point', &
                                 'with `refine`', none_is_negative=.true.), branch%correction)
          if (fields%has('untried', count_of(untried) > 0)) &
-            call carry(fields, row('untried', 'point', '1', '1 = not yet refined', &
+            call carry(fields, row('untried', 'point', '1', '1 = refinement has not reached the point yet', &
                                    'where refinement is not finished'), untried)
          if (fields%way == reading .and. allocated(untried) .and. .not. allocated(fields%wrong)) &
             where (untried) branch%correction = -2

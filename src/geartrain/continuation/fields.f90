@@ -94,7 +94,8 @@ contains
                              none_is_negative=.true.), special%correction)
       untried = special%correction < -1
       if (.not. fields%has('untried', in_part)) return
-      call carry(fields, row('untried', '', '1', '1 = not yet refined', 'where refinement is not finished'), untried)
+      call carry(fields, row('untried', '', '1', '1 = refinement has not reached the special point yet', &
+                             'where refinement is not finished'), untried)
       if (fields%way == reading .and. untried) special%correction = -2
    end subroutine visit_correction
 

@@ -25,8 +25,8 @@ module geartrain_continuation_jumps
       integer :: point = 0
       !> Number of other stable motions of the branch at this Lambda: if more than 1, `after` is a guess.
       integer :: candidates = 0
-      !> The jump rests on undecided points: the nearest decided points are not stable on one side and unstable on the other, or
-      !> the motion after the jump is undecided.
+      !> The jump is a guess: the nearest decided points are not stable on one side and unstable on the other, or the motion after
+      !> the jump is undecided, or another stable motion ends within the estimated errors of both folds.
       logical :: undecided = .false.
    end type jump_type
 

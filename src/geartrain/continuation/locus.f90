@@ -16,6 +16,7 @@ module geartrain_continuation_locus
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: state_of
    use geartrain_model_check, only: check_train
+   use geartrain_model_long_period, only: long_period
    use geartrain_model_parameter_path, only: parameter_path_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
@@ -166,7 +167,7 @@ contains
       integer :: cycles
 
       cycles = nint(period*maxval(system%law%order)/repeats)
-      call refusal_of(cycles, 'the motion repeats itself after '//text(cycles)//' cycles of mesh '// &
+      call refusal_of(cycles, 'the period is '//text(cycles)//' cycles of mesh '// &
                       text(maxloc(system%law%order, 1)), kind, words)
       if (words /= '') call fatal(error, 'locus: '//words)
    end subroutine check_cycles
@@ -181,10 +182,11 @@ contains
       character(:), allocatable, intent(out) :: words
 
       words = ''
-      if (cycles > most_cycles) words = period//', and the curve may have a corner wherever one of these cycles grazes a wall of &
-         &the gap: it would take minutes, and is followed for motions of up to '//text(most_cycles)//' cycles only. Make the &
-         &response at three values of the parameter instead, and take the '//trim(kind)//' from its special points or jumps; or &
-         &take numbers of teeth with common divisors'
+      if (cycles <= most_cycles) return
+      words = period//'. A curve of special points is followed for motions of up to '//text(most_cycles)//' mesh cycles: each &
+              &cycle may touch a wall of the gap and make a corner of the curve. Instead compute &response with harmonics = 0 at &
+              &several values of the parameter, and take the '//trim(kind)//' from the special points or jumps of each'
+      if (cycles <= long_period) words = words//'; or &stability_map over the parameter'
    end subroutine refusal_of
 
    !> The path of the train over the parameter, on which the train itself lies.

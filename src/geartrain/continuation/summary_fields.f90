@@ -127,8 +127,9 @@ contains
       call carry(fields, row('candidates', '', '1', 'number of other stable motions of the branch at this Lambda; above 1 &
                              &rms_after is a guess'), &
                  jump%candidates)
-      call carry(fields, row('undecided', '', '1', '1 = the jump is a guess: near it no decided point is stable on one side and &
-                             &none unstable on the other, or the motion after it is undecided'), jump%undecided)
+      call carry(fields, row('undecided', '', '1', '1 = the jump is a guess: the nearest decided points (at most five away) are &
+                             &not stable on one side and unstable on the other, or the motion after the jump is undecided, or &
+                             &another stable motion ends within the estimated errors of both folds'), jump%undecided)
    end subroutine visit_jump
 
    !> Visits the ranges of Lambda without a stable motion.

@@ -72,10 +72,10 @@ contains
       settings%control = word
       call v%on_real(row('tolerance', '', 'relative error of the waveform to reach where harmonics = 0', above=zero, most=one), &
                      settings%tolerance)
-      call v%on_real(row('step', '', 'largest step along the branch, in Lambda and mesh displacement together, each scaled by a &
-                         &power of ten to its size in the train', above=zero), &
+      call v%on_real(row('step', '', 'largest step along the branch: in Lambda and in mesh displacements together, each divided &
+                         &by a power of ten near its size in the train', above=zero), &
                      settings%step)
-      call v%on_integer(row('max_points', '', 'number of points at which the branch is given up', least=2*one, most=1e7*one), &
+      call v%on_integer(row('max_points', '', 'largest number of points; the branch ends there', least=2*one, most=1e7*one), &
                         settings%max_points)
       call v%on_integer(row('period_doublings', '', 'levels of period doubling to follow; 1: branches of twice the period, 2: also &
                             &of four times the period, ...', least=zero, most=6*one), settings%period_doublings)

@@ -59,10 +59,10 @@ contains
       if (count(groups_named(groups, 'mesh')) == 0 .or. count(groups_named(groups, 'shaft')) == 0) then
          call problems%add('there are '//integer_text(count(groups_named(groups, 'shaft')))//' &shaft and '// &
                            integer_text(count(groups_named(groups, 'mesh')))// &
-                           ' &mesh groups: a train is shaft, mesh, shaft at least')
+                           ' &mesh groups: a train needs &shaft, &mesh, &shaft at least')
       else if (last == 'mesh') then
          j = findloc(groups_named(groups, 'mesh'), .true., dim=1, back=.true.)
-         call problems%add('is the end of the train: a &shaft must follow it', 'mesh', groups(j)%index, &
+         call problems%add('is the last group of the train: a &shaft must follow it', 'mesh', groups(j)%index, &
                            line=groups(j)%line, column=groups(j)%column)
       end if
    end subroutine check_order

@@ -42,9 +42,11 @@ module geartrain_input_table
 contains
 
    !> Lists every variable of every group.
-   subroutine list_variables(rows)
+   subroutine list_variables(rows, chain)
       !> The variables in the order of a case file.
       type(row_type), allocatable, intent(out) :: rows(:)
+      !> List the variables of a chain, which has no &body; absent: of a train with bodies.
+      logical, intent(in), optional :: chain
       type(collector_type) :: collector
       type(case_type), target :: case
       type(results_type), target :: none
@@ -55,6 +57,9 @@ contains
       do i = 1, size(analyses)
          call find_analysis(i, case, none, analysis, ask=.true.)
       end do
+      if (present(chain)) then
+         if (chain) deallocate (case%train%bodies)
+      end if
       call visit_case(case, collector)
       rows = collector%rows(:collector%count)
    end subroutine list_variables

@@ -68,10 +68,11 @@ contains
    subroutine reference_text(text)
       !> Markdown.
       character(:), allocatable, intent(out) :: text
-      type(row_type), allocatable :: rows(:)
+      type(row_type), allocatable :: rows(:), of_chain(:)
       integer :: i, j
 
       call list_variables(rows)
+      call list_variables(of_chain, chain=.true.)
       text = 'A real number that is not 0 has a magnitude from '//real_text(smallest)//' to '//real_text(largest)// &
              '; numbers of a list may be smaller.'//newline//newline//'In calls `from` and `to` are named `start` and `stop`, also &
                 &at the end of a name. A case file takes both names.'//newline
@@ -81,18 +82,22 @@ contains
          text = text//newline//'| Variable | Type | Unit | Default | Allowed | Meaning |'//newline// &
                 '|---|---|---|---|---|---|'//newline
          do j = 1, size(rows)
-            if (rows(j)%group == groups(i)%name) call add_row(rows(j), text)
+            if (rows(j)%group == groups(i)%name) call add_row(rows(j), any(of_chain%group == rows(j)%group .and. &
+               of_chain%variable%name == rows(j)%variable%name .and. of_chain%variable%required), text)
          end do
       end do
    end subroutine reference_text
 
    !> Adds the row of a Markdown table.
-   subroutine add_row(row, text)
+   subroutine add_row(row, chain_requires, text)
       type(row_type), intent(in) :: row
+      !> Whether a chain must give the variable.
+      logical, intent(in) :: chain_requires
       character(:), allocatable, intent(inout) :: text
       character(:), allocatable :: default
 
       default = trim(row%default)
+      if (chain_requires) default = 'required in a chain'
       if (row%variable%required) default = 'required'
       text = text//'| `'//trim(row%variable%name)//'` |'
       call add_cell(row%kind, text)

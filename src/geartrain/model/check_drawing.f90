@@ -91,7 +91,7 @@ contains
 
       call check_alone()
       if (mesh%normal_module > largest_module) then
-         call checker%complain('normal_module', real_text(mesh%normal_module), 'must be <= 1 m; metres are meant &
+         call checker%complain('normal_module', real_text(mesh%normal_module), 'must be <= 1 m; the unit is the metre &
                                &(2.5 mm are 2.5e-3)')
          return
       end if
@@ -113,7 +113,7 @@ contains
             if (mesh%bore(i) < geometry%reference_diameter(i)) cycle
             call checker%complain('bore', real_text(mesh%bore(i)), 'must be < '//text(geometry%reference_diameter(i))// &
                                   ' m, the reference diameter of the gear of '//integer_text(nint(mesh%teeth(i)))// &
-                                  ' teeth; metres are meant (28 mm are 0.028)', i)
+                                  ' teeth; the unit is the metre (28 mm are 0.028)', i)
          end do
       end if
       associate (g => geometry)
@@ -152,7 +152,7 @@ contains
             call checker%complain(trim(merge('half_backlash', 'backlash     ', mesh%half_backlash > 0)), &
                real_text(max(mesh%half_backlash, mesh%backlash)), 'must be < '//text(merge(cos(g%working_angle)/2, 1.0_dp, &
                mesh%half_backlash > 0)*pitch)//' m: it leaves nothing of the teeth, whose pitch at the working pitch circle is '// &
-               text(pitch)//' m; metres are meant (60 um is 60e-6)')
+               text(pitch)//' m; the unit is the metre (60 um is 60e-6)')
          else if (.not. g%contact_ratio > 1 .and. .not. mesh%contact_ratio > 0) then
             call checker%complain('teeth', integer_text(nint(mesh%teeth(1)))//', '//integer_text(nint(mesh%teeth(2))), &
                                   'must give a transverse contact ratio > 1: it is '//text(g%contact_ratio)// &
@@ -170,7 +170,7 @@ contains
          words = 'contradicts '//others//': the flanks touch without backlash at '//text(geometry%tight_distance)//' m'
          associate (factor => mesh%centre_distance/geometry%tight_distance)
             if (factor > 500 .and. factor < 2000) then
-               words = words//'; metres are meant, is it in millimetres?'
+               words = words//'; the unit is the metre: is it in millimetres?'
             else
                words = words//', and have '//text(geometry%distance_backlash)//' m of it here'//trim(fitting())
             end if

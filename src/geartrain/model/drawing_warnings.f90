@@ -37,7 +37,7 @@ module geartrain_model_drawing_warnings
    integer, parameter :: samples_per_harmonic = 32
    !> Warns of a damping ratio where the mobility of the bodies alone exceeds the mobility of the joined bodies by this factor.
    real(dp), parameter :: worth_telling = 1.1_dp
-   character(*), parameter :: in_metres = 'metres are meant '
+   character(*), parameter :: in_metres = 'the unit is the metre '
 
 contains
 
@@ -257,8 +257,8 @@ contains
 
       if (.not. any(plain%meshes%half_backlash > 0)) return
       do i = 1, size(plain%meshes)
-         if (.not. plain%meshes(i)%half_backlash > 0) call add_warning(warnings, 'mesh', i, 'has no backlash, as other meshes &
-            &have: its teeth cannot part (60 um are backlash = 60e-6)')
+         if (.not. plain%meshes(i)%half_backlash > 0) call add_warning(warnings, 'mesh', i, 'has no backlash, although other &
+            &meshes have it: its teeth cannot separate (60 um are backlash = 60e-6)')
       end do
    end subroutine warn_of_gaps
 
@@ -271,7 +271,7 @@ contains
 
       bad = findloc(density >= least_density .and. density <= most_density, .false., 1)
       if (bad > 0) call add_warning(warnings, group, i, 'density = '//real_text(density(bad))// &
-                                    ': kg/m^3 are meant (steel: 7850)')
+                                    ': the unit is kg/m^3 (steel: 7850)')
    end subroutine warn_of_density
 
    subroutine warn_of_damping(ratio, group, i, warnings)
@@ -293,7 +293,7 @@ contains
       type(pair_stiffness_type) :: stiffness
       real(dp) :: gap
 
-      if (mesh%helix_angle > 0 .and. mesh%helix_angle < 1) call add('helix_angle', mesh%helix_angle, 'degrees are meant')
+      if (mesh%helix_angle > 0 .and. mesh%helix_angle < 1) call add('helix_angle', mesh%helix_angle, 'the unit is the degree')
       if (.not. mesh%damping_given) call warn_of_damping(mesh%damping_ratio, 'mesh', i, warnings)
       call warn_of_density([mesh%density], 'mesh', i, warnings)
       associate (module => mesh%normal_module)
@@ -367,8 +367,8 @@ contains
          call find_geometry(pair_of(mesh), geometry)
          do k = 1, 2
             if (g%undercut(k) > 0) call add('the gear of '//integer_text(nint(mesh%teeth(k)))//' teeth is undercut: its profile &
-               &shift is '//short(g%undercut(k))//' below the least without undercut; contact ratio and stiffness hold for whole &
-               &involutes')
+               &shift is '//short(g%undercut(k))//' below the smallest one without undercut; contact ratio and stiffness &
+               &hold for complete involutes')
          end do
          if (g%clear_of_base < 0) call add('the tip of a gear reaches '//short(-g%clear_of_base)//' m beyond the base circle of &
             &its mate along the line of action: the flanks interfere')
@@ -376,8 +376,8 @@ contains
          shift = 0
          if (is_given(mesh%profile_shift)) shift = mesh%profile_shift
          if (mesh%teeth(1) > mesh%teeth(2)) shift = shift([2, 1])
-         if (shift(1) < shift(2)) call add('the stiffness by ISO 6336-1 is for a profile shift of the pinion not below that of the &
-            &wheel, and they are '//short(shift(1))//' and '//short(shift(2)))
+         if (shift(1) < shift(2)) call add('the stiffness by ISO 6336-1 holds where the profile shift of the pinion is not &
+            &smaller than the profile shift of the wheel; here they are '//short(shift(1))//' and '//short(shift(2)))
          if (sum(shift) < -0.5_dp .or. sum(shift) > 2) call add('the stiffness by ISO 6336-1 is for profile shifts with a sum from &
             &-0.5 to 2, and it is '//short(sum(shift)))
          if (abs(mesh%helix_angle) > 30) call add('the mesh stiffness by ISO 6336-1 is for helix angles up to 30 degrees, and it &
@@ -389,12 +389,12 @@ contains
          if (line_load > heavy_load) call add('the stiffness by ISO 6336-1 is for line loads up to 1600 N/mm, and it is '// &
                                               short(line_load/1000)//' N/mm')
          if (.not. line_load > 0) then
-            call add('it bears no load, for which ISO 6336-1 has no stiffness: the value at 100 N/mm is used; give stiffness &
-               &[N/m], or a drag torque on the unloaded body')
+            call add('it carries no load, and ISO 6336-1 has no stiffness without load: the value at 100 N/mm is used; give &
+               &stiffness [N/m], or a drag torque on the unloaded body')
          else if (line_load < 0.01_dp*light_load) then
-            call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads that ISO 6336-1 is for: the &
+            call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads for which ISO 6336-1 holds: the &
                &stiffness by its rule for light loads, (load/100 N/mm)^0.25 = '//short(light)// &
-               ' of the full one, is a guess; stiffness [N/m] gives another')
+               ' of the full value, is uncertain; give stiffness [N/m] if it is known')
          end if
       end associate
 

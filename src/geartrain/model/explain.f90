@@ -11,6 +11,7 @@ module geartrain_model_explain
    use geartrain_model_drawing, only: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train, &
       reduce_light_loads
    use geartrain_model_drawing_warnings, only: find_warnings
+   use geartrain_model_error_phase, only: lacks_phase
    use geartrain_model_explain_damping, only: damping_explanation_type
    use geartrain_model_frequency_unit, only: speed_per_lambda
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, pair_geometry_type, pair_stiffness_type
@@ -286,6 +287,13 @@ contains
             call carry(fields, field_type('stiffness_cos', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_cos)
          if (is_given(plain%stiffness_sin)) &
             call carry(fields, field_type('stiffness_sin', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_sin)
+         words = as_given
+         if (lacks_phase(mesh, plain)) words = 'as given; its phase against the stiffness is open: with another sign or with &
+            &error_sin forces and loss of contact differ'
+         if (is_given(plain%error_cos)) call carry(fields, field_type('error_cos', 'error_harmonic', 'm', words), &
+                                                   context%plain%meshes(i)%error_cos)
+         if (is_given(plain%error_sin)) call carry(fields, field_type('error_sin', 'error_harmonic', 'm', words), &
+                                                   context%plain%meshes(i)%error_sin)
          words = source(mesh%half_backlash, 'half of backlash cos(alpha_wt): along the line of action in the transverse plane; &
             &backlash is along the working pitch circles')
          if (.not. mesh%backlash > 0 .and. g%distance_backlash > 0) words = words//', by the centre distance'

@@ -226,7 +226,7 @@ contains
                             most=1000*one), mesh%stiffness_harmonics)
       call v%on_real(row('phase', 'rad', 'lag of kappa and of the transmission error, in the mesh cycle'), mesh%phase)
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
-                         &the mesh displacement'), mesh%error_cos)
+                         &the mesh displacement; its sign and phase against the stiffness matter'), mesh%error_cos)
       call v%on_list(row('error_sin', 'm', 'sine amplitudes, harmonics 1, 2, ...'), mesh%error_sin)
       call v%on_integer(row('order', '', 'mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh &
                             &has them, else 1', least=one, most=most_order*one, automatic=zero), mesh%order)

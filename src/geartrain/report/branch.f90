@@ -11,6 +11,7 @@ module geartrain_report_branch
    use geartrain_model_train, only: train_type
    use geartrain_report_branch_details, only: put_details
    use geartrain_report_branch_quality, only: say_quality
+   use geartrain_report_force_remarks, only: find_errors, find_sweeps
    use geartrain_report_frequency_text, only: frequency_text_type, text_for
    use geartrain_report_jump_sentences, only: say_jumps
    use geartrain_report_load, only: load_sides
@@ -133,14 +134,15 @@ contains
       type(sheet_type), intent(inout) :: sheet
       type(torque_table_type), intent(inout) :: torques
       type(band_type), allocatable :: bands(:)
-      type(text_type) :: contact(branch%meshes)
+      type(text_type), dimension(branch%meshes) :: contact, error, sweep
       character(name_length) :: names(branch%meshes)
       character(:), allocatable :: words
       logical :: counts(branch%points), at_end(branch%points), connected(branch%points), known
-      integer :: sides(branch%meshes), mesh, i
+      integer :: sides(branch%meshes), largest(branch%meshes), mesh, i
 
       known = allocated(branch%stable)
       counts = .true.
+      sweep = text_type('')
       if (known) counts = branch%stable(:branch%points)
       associate (at => branch%frequency_ratio(:branch%points), n => branch%points)
          at_end = whole .and. (abs(at - ends(1)) <= 1e-9_dp*maxval(abs(ends)) .or. abs(at - ends(2)) <= 1e-9_dp*maxval(abs(ends)))
@@ -155,14 +157,18 @@ contains
          if (known .and. .not. any(counts)) then
             call sheet%say(in_result, 'Response: no motion is stable; the figures are those of unstable motions.')
             counts = .true.
+            known = .false.
          else
             call sheet%say(in_result, 'Response'//trim(merge(', stable motions:', ':                ', known)))
          end if
+         largest = [(maxloc(branch%mesh_load(mesh, :n)%force_maximum, 1, counts), mesh=1, branch%meshes)]
+         if (known) call find_sweeps(branch, largest, sweep)
          do mesh = 1, branch%meshes
             call find_contact(branch, mesh, sides(mesh), told, sheet%verbose, contact(mesh)%text)
          end do
-         call say_meshes(branch%mesh_load(:, :n), at, counts, at_end, contact, names, told, sheet)
-         call say_ends(branch, counts, at_end, sheet)
+         call find_errors(branch, train, largest, error)
+         call say_meshes(branch%mesh_load(:, :n), largest, at, at_end, error, sweep, contact, names, told, sheet)
+         call say_ends(branch, largest, at_end, sheet)
          if (allocated(branch%shaft_torque_mean)) then
             call say_reversals(train, branch%shaft_torque_minimum(:, :n), branch%shaft_torque_maximum(:, :n), at, counts, &
                                connected, told, sheet)
@@ -178,7 +184,7 @@ contains
          words = 'At '//words//' no motion of period '//text(branch%subharmonic)//' is stable'
          if (all(bands%undecided)) words = words//' (undecided)'
          if (any(bands%undecided) .and. .not. all(bands%undecided)) words = words//' (partly undecided)'
-         call sheet%say(in_result, words//': forces and torques do not include this range; &integration over it shows the motion.')
+         call sheet%say(in_result, words//': not in these figures, use &integration.')
       end if
       call say_jumps(branch, train, told, sheet)
       call say_branch_points(branch, told, sheet)
@@ -236,18 +242,19 @@ contains
    end subroutine find_contact
 
    !> Adds a sentence on meshes whose vibration or force is largest at an end of the range.
-   subroutine say_ends(branch, counts, at_end, sheet)
+   subroutine say_ends(branch, largest, at_end, sheet)
       type(branch_type), intent(in) :: branch
-      !> Whether a motion counts; whether a motion lies at an end of the range, (point).
-      logical, intent(in) :: counts(:), at_end(:)
+      !> Index of the point with the largest force of each mesh, (mesh).
+      integer, intent(in) :: largest(:)
+      !> Whether a motion lies at an end of the range, (point).
+      logical, intent(in) :: at_end(:)
       type(sheet_type), intent(inout) :: sheet
       logical :: is_there(branch%meshes)
       character(:), allocatable :: list
       integer :: mesh
 
       do mesh = 1, branch%meshes
-         is_there(mesh) = at_end(maxloc(branch%mesh_load(mesh, :branch%points)%force_maximum, 1, counts)) .or. &
-                          at_end(maxloc(branch%rms(mesh, :branch%points), 1))
+         is_there(mesh) = at_end(largest(mesh)) .or. at_end(maxloc(branch%rms(mesh, :branch%points), 1))
       end do
       call list_numbers(is_there, 'mesh', 'meshes', list)
       if (list /= '') call sheet%say(in_result, 'The largest force or vibration of '//list//' is at the end of the range; a larger &

@@ -17,15 +17,17 @@ module geartrain_report_loads
 contains
 
    !> Adds a sentence for each mesh; in a short report of many meshes for those with the largest force over the mean.
-   subroutine say_meshes(load, at, counts, at_end, contact, names, told, sheet)
+   subroutine say_meshes(load, largest, at, at_end, error, sweep, contact, names, told, sheet)
       !> Loads, (mesh, motion).
       type(mesh_load_type), intent(in) :: load(:, :)
+      !> Number of the motion with the largest force of each mesh, (mesh).
+      integer, intent(in) :: largest(:)
       !> Lambda, or the parameter, of each motion, (motion).
       real(dp), intent(in) :: at(:)
-      !> Whether a motion counts, at least one does; whether a motion lies at an end of the range, (motion).
-      logical, intent(in) :: counts(:), at_end(:)
-      !> What is said of the contact of each mesh; '' for nothing, (mesh).
-      type(text_type), intent(in) :: contact(:)
+      !> Whether a motion lies at an end of the range, (motion).
+      logical, intent(in) :: at_end(:)
+      !> Error of the largest force, sweep that does not reach it, and contact of each mesh; '' for nothing, (mesh).
+      type(text_type), intent(in) :: error(:), sweep(:), contact(:)
       !> Name of each mesh, (mesh).
       character(*), intent(in) :: names(:)
       !> How frequencies are stated.
@@ -33,12 +35,9 @@ contains
       !> The report.
       type(sheet_type), intent(inout) :: sheet
       character(:), allocatable :: words, place
-      integer :: largest(size(load, 1)), order(size(load, 1)), i, k
+      integer :: order(size(load, 1)), i, k
       logical :: shown(size(load, 1))
 
-      do i = 1, size(load, 1)
-         largest(i) = maxloc(load(i, :)%force_maximum, 1, counts)
-      end do
       ! Meshes without a mean force come last, those with the largest forces first.
       associate (strongest => maxval(load%force_maximum))
          order = ascending([(merge(-load(i, largest(i))%dynamic_factor, -load(i, largest(i))%force_maximum/strongest, &
@@ -50,11 +49,13 @@ contains
          if (.not. shown(i)) cycle
          k = largest(i)
          words = 'M'//trim(names(i)(2:))//': largest force '//significant(load(i, k)%force_maximum)//' N'
+         if (error(i)%text /= '') words = words//' ('//error(i)%text//')'
          if (load(i, k)%dynamic_factor >= 0) words = words//', '//significant(load(i, k)%dynamic_factor)//' times the mean,'
          if (load(i, k)%dynamic_factor < 0) words = words//', without a mean force,'
          call told%with_unit(told%number(at(k)), place)
          words = words//' at '//place
          if (at_end(k)) words = words//', the end of the range'
+         if (sweep(i)%text /= '') words = words//' ('//sweep(i)%text//')'
          if (contact(i)%text /= '') words = words//'; '//contact(i)%text
          call sheet%say(in_result, words//'.')
       end do

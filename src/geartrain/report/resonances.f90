@@ -9,6 +9,8 @@ module geartrain_report_resonances
    use geartrain_continuation_summary, only: peak_type, peaks
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: hertz_per_lambda
+   use geartrain_model_kinematics, only: all_toothed, find_kinematics, kinematics_type
+   use geartrain_model_labels, only: label_length
    use geartrain_model_modes, only: modes_type
    use geartrain_model_train, only: train_type
    use geartrain_report_frequency_text, only: frequency_text_type, in_width
@@ -204,13 +206,25 @@ contains
       end do
       line = ''
       if (any(shown)) line = 'Under each mesh: force amplitude [N], largest less mean force'
-      if (any(shown) .and. plain%speed_ratio > 0) line = line//'; order: per revolution'
+      if (any(shown) .and. plain%speed_ratio > 0) line = line//'; order: per revolution of '//trim(speed_name(train))
       if (.not. all(shown)) then
          if (line /= '') line = line//'; '
          line = line//counted(count(.not. shown), 'smaller or unstable peak', 'smaller or unstable peaks')//' not listed'
       end if
       if (line /= '') call sheet%say(in_resonances, line//'.')
    end subroutine put_resonances
+
+   !> The body whose revolutions are the speed.
+   function speed_name(train) result(name)
+      type(train_type), intent(in) :: train
+      character(label_length) :: name
+      type(kinematics_type) :: kinematics
+
+      name = 'the driving end'
+      if (.not. (all_toothed(train) .and. allocated(train%bodies))) return
+      call find_kinematics(train, kinematics)
+      name = train%bodies(kinematics%speed_body)%name
+   end function speed_name
 
    !> The mode whose natural frequency is nearest, and by how much the vibration is off it: '2', '1 (-24 %)'; '-' where all are far.
    function mode_of(frequency_ratio, modes) result(words)

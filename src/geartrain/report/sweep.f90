@@ -73,13 +73,13 @@ contains
       type(sheet_type), intent(inout) :: sheet
       type(torque_table_type), intent(inout) :: torques
       type(mesh_load_type) :: load(size(train%meshes), size(motions))
-      type(text_type) :: contact(size(train%meshes))
+      type(text_type), dimension(size(train%meshes)) :: contact, nothing
       type(train_type) :: plain
       character(name_length) :: names(size(train%meshes))
       real(dp), dimension(size(torque_names(train)), size(motions)) :: mean, low, high
       real(dp) :: smallest(size(motions)), largest(size(motions))
       logical, dimension(size(motions)) :: counts, has_torque, connected, hits
-      integer :: sides(size(train%meshes)), i, mesh
+      integer :: sides(size(train%meshes)), strongest(size(train%meshes)), i, mesh
 
       counts = [(allocated(motions(i)%mesh_load), i=1, size(counts))]
       if (.not. any(counts)) return
@@ -116,7 +116,9 @@ contains
             if (any(hits)) call describe(contact(mesh)%text//'; its '//trim(merge('drive', 'coast', sides(mesh) < 0))// &
                                          ' flanks hit', hits, contact(mesh)%text)
          end do
-         call say_meshes(load, at, counts, [(.false., i=1, size(at))], contact, names, told, sheet)
+         strongest = [(maxloc(load(mesh, :)%force_maximum, 1, counts), mesh=1, size(strongest))]
+         nothing = text_type('')
+         call say_meshes(load, strongest, at, [(.false., i=1, size(at))], nothing, nothing, contact, names, told, sheet)
          if (.not. any(has_torque)) return
          call say_reversals(train, low, high, at, has_torque, connected, told, sheet)
          call torques%take(mean, low, high, at, has_torque, told)

@@ -10,11 +10,12 @@ module geartrain_run_report
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_drawing, only: state_count
    use geartrain_report_branch, only: report_further
+   use geartrain_report_case_notes, only: say_error_phase, say_warnings
    use geartrain_report_frequency_text, only: text_for
    use geartrain_report_load, only: say_load
    use geartrain_report_modes_table, only: put_modes
    use geartrain_report_resonances, only: find_resonances, put_resonances, resonance_type
-   use geartrain_report_sheet, only: in_files, in_head, sheet_type
+   use geartrain_report_sheet, only: in_files, in_head, in_result, sheet_type
    use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
    private
@@ -61,6 +62,10 @@ contains
       end do
       if (allocated(results%branches) .and. allocated(case%response)) &
          call report_further(results%branches, case%response, case%train, sheet, torques)
+      if (.not. sheet%is_empty(in_result)) then
+         call say_error_phase(case%train, sheet)
+         call say_warnings(case%train, sheet)
+      end if
       if (present(time)) then
          if (time /= '') call sheet%add(in_head, time)
       end if
