@@ -139,7 +139,7 @@ contains
 
       torque = 0
       associate (paths => system%torque_paths)
-         do s = 1, paths%shafts
+         do s = 1, paths%rows
             associate (first => paths%first(s), last => paths%first(s + 1) - 1)
                torque = max(torque, sum(abs(paths%gain(first:last))*system%stiffness(paths%element(first:last)))* &
                             system%characteristic_length)

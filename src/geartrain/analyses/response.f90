@@ -15,7 +15,7 @@ module geartrain_analyses_response
    use geartrain_continuation_summary_fields, only: visit_summary
    use geartrain_continuation_variables, only: check_response_consistency, visit_response
    use geartrain_model_drawing, only: plain_train
-   use geartrain_model_network, only: state_count
+   use geartrain_model_state_count, only: state_count
    use geartrain_model_train, only: train_type
    use geartrain_report_branch, only: report_branch
    use geartrain_report_sheet, only: sheet_type

@@ -19,6 +19,7 @@ module geartrain_analyses_run_up
    use geartrain_flow_fields, only: about_frequency, about_mesh
    use geartrain_flow_ramp, only: make_ramp, ramp_type
    use geartrain_flow_run_up, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
+   use geartrain_flow_torque_fields, only: about_held, carry_torque
    use geartrain_model_check, only: check_train
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
@@ -202,7 +203,7 @@ contains
          shift(:system%displacements) = steady%static_force(:system%displacements) - system%static_force(:system%displacements)
       samples = settings%samples
       if (samples == 0) samples = automatic_samples(system, ramp)
-      call make_room(system, ramp, samples, size(train%shafts), result, error)
+      call make_room(system, ramp, samples, system%torque_paths%rows, result, error)
       if (allocated(error)) return
       if (.not. allocated(result%state)) then
          call find_start(steady, system, shift, settings%max_periods, ramp%start, result, error, stopped, start, &
@@ -238,6 +239,8 @@ contains
       class(fields_type), intent(inout) :: fields
       logical, intent(in) :: summary
       real(dp), allocatable :: time(:)
+      character(*), parameter :: smallest = 'smallest torque in the window, also between samples', &
+         largest = 'largest torque in the window, also between samples'
       integer :: n
 
       associate (result => self%result)
@@ -264,6 +267,9 @@ contains
          n = merge(size(train%shafts), 0, result%samples > 0)
          call fields%index_axis('shaft', n, 'shaft, in the order of the train')
          n = 0
+         if (allocated(train%bodies) .and. result%samples > 0) n = count(train%bodies%held)
+         if (fields%has('reaction_torque', n > 0)) call fields%index_axis('held', n, about_held)
+         n = 0
          if (allocated(result%state)) n = size(result%state)
          call fields%index_axis('coordinate', n, 'displacement of each elastic element of the tree, then velocities')
          n = result%windows
@@ -274,8 +280,9 @@ contains
                     result%displacement)
          call carry(fields, field('mesh_force', 'time mesh', 'N', 'total mesh force'), &
                                   result%mesh_force)
-         call carry(fields, field('shaft_torque', 'time shaft', 'N m', 'total torque of the shaft; NaN for a rigid shaft'), &
-                                  result%shaft_torque)
+         call carry_torque(fields, field('shaft_torque', 'time shaft', 'N m', 'total torque of the shaft; NaN for a rigid shaft'), &
+                           field('reaction_torque', 'time held', 'N m', 'torque by which a held body is held', &
+                                 'where a body is held'), result%shaft_torque)
          call carry(fields, field('window_time', 'window', 's', 'middle of the window, a tooth period of the slowest mesh'), &
                                   result%window_time)
          call carry(fields, field('mesh_force_minimum', 'window mesh', 'N', &
@@ -283,12 +290,12 @@ contains
          call carry(fields, field('mesh_force_maximum', 'window mesh', 'N', 'largest mesh force in the window, also between &
                                   &samples'), &
                     result%force_maximum)
-         call carry(fields, field('shaft_torque_minimum', 'window shaft', 'N m', 'smallest torque in the window, also between &
-                                  &samples'), &
-                    result%torque_minimum)
-         call carry(fields, field('shaft_torque_maximum', 'window shaft', 'N m', 'largest torque in the window, also between &
-                                  &samples'), &
-                    result%torque_maximum)
+         call carry_torque(fields, field('shaft_torque_minimum', 'window shaft', 'N m', smallest), &
+                           field('reaction_torque_minimum', 'window held', 'N m', smallest, 'where a body is held'), &
+                           result%torque_minimum)
+         call carry_torque(fields, field('shaft_torque_maximum', 'window shaft', 'N m', largest), &
+                           field('reaction_torque_maximum', 'window held', 'N m', largest, 'where a body is held'), &
+                           result%torque_maximum)
          call carry(fields, field('state', 'coordinate', '1', 'state at the end of the last window, ordered as initial_state of a &
                                   &motion'), result%state)
          if (fields%way /= reading .or. allocated(fields%wrong)) return

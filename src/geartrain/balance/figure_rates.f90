@@ -59,7 +59,7 @@ contains
       self%of_shafts = index(figure, 'shaft') == 1
       self%of_forces = figure == 'mesh_force_maximum' .or. figure == 'dynamic_factor'
       side = merge(-1, 1, index(figure, 'minimum') > 0)
-      items = merge(balance%system%torque_paths%shafts, balance%system%meshes, self%of_shafts)
+      items = merge(balance%system%torque_paths%rows - balance%system%torque_paths%held, balance%system%meshes, self%of_shafts)
       allocate (self%coefficients(balance%block, items), self%d(balance%block, items), self%places(items), self%side(items))
       allocate (self%d_force(most_places, items))
       self%told = [(self%is_told(balance, j), j=1, items)]

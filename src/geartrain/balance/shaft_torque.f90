@@ -56,7 +56,7 @@ contains
                                                                                                 system%static_force)
          end do
          force(system%cut%element) = balance%force(1, :)
-         do s = 1, paths%shafts
+         do s = 1, paths%rows
             coefficients(1, s) = paths%constant(s)
             do i = paths%first(s), paths%first(s + 1) - 1
                n = paths%element(i)
@@ -70,7 +70,7 @@ contains
                                          cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitude)
                amplitude = cmplx(system%spring, r*balance%frequency_ratio/balance%eta*system%damping, dp)*amplitude
                amplitude(system%cut%element) = cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp)
-               do s = 1, paths%shafts
+               do s = 1, paths%rows
                   total = 0
                   do i = paths%first(s), paths%first(s + 1) - 1
                      n = paths%element(i)

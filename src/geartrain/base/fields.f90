@@ -50,7 +50,7 @@ module geartrain_base_fields
       !> Lengths of the dimensions of the present group; expected lengths in all groups.
       type(lengths_type), private :: lengths, expected
       !> The dimensions whose places have labels beside their numbers, see `expect`.
-      type(labels_type), private :: labelled(2)
+      type(labels_type), private :: labelled(3)
       !> Dimension of the list that is visited item by item; '': no list.
       character(24) :: along = ''
       !> Number of items of the list; number of the present item.
@@ -83,7 +83,7 @@ contains
       character(*), intent(in) :: name
       !> Number of places of the dimension.
       integer, intent(in) :: length
-      !> Labels that stand beside the numbers of the places wherever the dimension has an axis, (length); for two dimensions at
+      !> Labels that stand beside the numbers of the places wherever the dimension has an axis, (length); for three dimensions at
       !> most.
       character(*), intent(in), optional :: labels(:)
       integer :: i, n
@@ -195,15 +195,19 @@ contains
       type(labels_type), intent(in) :: labelled
       !> Number of places; other than expected where the group has nothing yet.
       integer, intent(in) :: length
-      character(:), allocatable :: name
+      character(:), allocatable :: name, meaning
       integer :: place
 
       if (length /= size(labelled%labels)) return
       name = trim(labelled%name)//'_label'
       associate (group => self%groups(self%here))
-         call group%add(field_type(name, labelled%name, '', 'names of the two bodies that the '//trim(labelled%name)// &
-                                   ' joins, such as `pinion - wheel`; in a chain `'//trim(labelled%name)//' 1`, ...'), &
-                        kind_text, [length])
+         if (labelled%name == 'held') then
+            meaning = 'names of the held bodies'
+         else
+            meaning = 'names of the two bodies that the '//trim(labelled%name)//' joins, such as `pinion - wheel`; in a chain `'// &
+                      trim(labelled%name)//' 1`, ...'
+         end if
+         call group%add(field_type(name, labelled%name, '', meaning), kind_text, [length])
          group%fields(group%count)%texts = labelled%labels
          place = group%place('coordinates', .true., 0)
          if (place == 0) then

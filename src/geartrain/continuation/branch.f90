@@ -10,6 +10,7 @@ module geartrain_continuation_branch
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, &
       about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, &
       carry_torques, coefficient_axis, on_stability
+   use geartrain_flow_torque_fields, only: about_held
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, gap_along, has_sets, &
@@ -77,9 +78,9 @@ module geartrain_continuation_branch
 
    !> A branch of periodic motions; arrays over the points may be longer than `points`.
    type :: branch_type
-      !> Numbers of points, meshes, shafts, multipliers of a point (of many states the leading ones; 0 where the period is long) and
-      !> harmonics in use; period of the motions in periods of the fundamental.
-      integer :: points = 0, meshes = 0, shafts = 0, states = 0, harmonics = 0, subharmonic = 1
+      !> Numbers of points, meshes, shafts, held bodies, multipliers of a point (of many states the leading ones; 0 where the period
+      !> is long) and harmonics in use; period of the motions in periods of the fundamental.
+      integer :: points = 0, meshes = 0, shafts = 0, held = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
       !> Harmonics of Lambda/subharmonic that `coefficients` has room for, ascending: 1 .. harmonics; where balances carry sets of
@@ -94,7 +95,8 @@ module geartrain_continuation_branch
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
       !> Mesh forces, (mesh, point).
       type(mesh_load_type), allocatable :: mesh_load(:, :)
-      !> Torque of each shaft over the period [N m], (shaft, point); NaN where nothing determines it. Allocated where asked for.
+      !> Torque of each shaft, then of what holds each held body, over the period [N m], (shaft, then held body, point); NaN where
+      !> nothing determines it. Allocated where asked for.
       real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
       !> Half backlash over characteristic length, (mesh).
       real(dp), allocatable :: half_backlash(:)
@@ -328,8 +330,10 @@ contains
       call carry(fields, row('minimum', 'point mesh', '1', about_minimum, optional=none), branch%minimum)
       call carry(fields, row('maximum', 'point mesh', '1', about_maximum, optional=none), branch%maximum)
       call carry_loads(fields, branch%mesh_load, branch%points)
-      if (fields%has('shaft_torque_mean', allocated(branch%shaft_torque_mean))) then
+      if (fields%has('shaft_torque_mean', allocated(branch%shaft_torque_mean)) .or. &
+          fields%has('reaction_torque_mean', .false.)) then
          call fields%index_axis('shaft', branch%shafts, about_shaft)
+         if (fields%has('reaction_torque_mean', branch%held > 0)) call fields%index_axis('held', branch%held, about_held)
          call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &
                             branch%shaft_torque_maximum)
       end if

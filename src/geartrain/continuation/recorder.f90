@@ -57,7 +57,8 @@ contains
       if (present(shaft_torque)) self%shaft_torque = shaft_torque
       branch%points = 0
       branch%meshes = balance%system%meshes
-      branch%shafts = balance%system%torque_paths%shafts
+      branch%held = balance%system%torque_paths%held
+      branch%shafts = balance%system%torque_paths%rows - branch%held
       branch%half_backlash = balance%system%half_backlash
       if (allocated(balance%path)) then
          branch%parameter = balance%path%name

@@ -7,6 +7,7 @@ module geartrain_flow_fields
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
+   use geartrain_flow_torque_fields, only: about_held, carry_torque
    implicit none (type, external)
    private
    public :: carry_loads, coefficient_axis, visit_motions
@@ -64,7 +65,14 @@ module geartrain_flow_fields
       row('torque_min_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_minimum', in_window, optional=.true.), &
       row('torque_max_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_maximum', in_window, optional=.true.)]
 
-   !> Carries the fields of the torques of shafts.
+   character(*), parameter :: of_reaction = ' torque by which a held body is held, in the sense in which `speed_of` turns'
+   type(row), parameter :: reactions(3) = [ &
+      row('reaction_torque_mean', 'held', 'N m', 'mean'//of_reaction//'; NaN: undetermined, two held bodies on rigid shafts', &
+          'where a body is held', optional=.true.), &
+      row('reaction_torque_minimum', 'held', 'N m', 'smallest'//of_reaction, 'where a body is held', optional=.true.), &
+      row('reaction_torque_maximum', 'held', 'N m', 'largest'//of_reaction, 'where a body is held', optional=.true.)]
+
+   !> Carries the fields of the torques of shafts and held bodies.
    interface carry_torques
       module procedure :: carry_torques_1, carry_torques_2
    end interface carry_torques
@@ -85,12 +93,13 @@ contains
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: none(:)
-      integer :: i, n, meshes, shafts, terms, coordinates, states
+      integer :: i, n, meshes, shafts, held, terms, coordinates, states
       logical :: torques_there
 
       n = fields%length_of(along)
       meshes = max(0, fields%length_of('mesh'))
       shafts = 0
+      held = 0
       terms = 0
       coordinates = 0
       states = 0
@@ -102,7 +111,10 @@ contains
                meshes = size(motions(i)%coefficients, 2)
                terms = max(terms, size(motions(i)%coefficients, 1))
             end if
-            if (allocated(motions(i)%shaft_torque_mean)) shafts = size(motions(i)%shaft_torque_mean)
+            if (allocated(motions(i)%shaft_torque_mean)) then
+               held = motions(i)%held
+               shafts = size(motions(i)%shaft_torque_mean) - held
+            end if
             if (allocated(motions(i)%state)) coordinates = max(coordinates, size(motions(i)%state))
             if (allocated(motions(i)%multipliers)) states = max(states, size(motions(i)%multipliers))
          end do
@@ -111,6 +123,10 @@ contains
       call fields%index_axis('mesh', meshes, about_mesh)
       torques_there = fields%has('shaft_torque_mean', shafts > 0)
       if (torques_there) call fields%index_axis('shaft', shafts, about_shaft)
+      if (fields%has('reaction_torque_mean', held > 0)) then
+         call fields%index_axis('held', held, about_held)
+         torques_there = .true.
+      end if
       if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
          'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
          &a body last')
@@ -160,7 +176,8 @@ contains
       call carry(fields, row('maximum', 'mesh', '1', about_maximum, optional=.true.), motion%maximum)
       call carry_loads(fields, motion%mesh_load)
       if (torques_there) call carry_torques(fields, motion%shaft_torque_mean, motion%shaft_torque_minimum, &
-                                                             motion%shaft_torque_maximum)
+                                            motion%shaft_torque_maximum)
+      if (fields%way == reading) motion%held = max(0, fields%length_of('held'))
       if (fields%has('rms_uncertainty', allocated(motion%uncertainty%rms))) &
          call carry_uncertainty(fields, motion%uncertainty, torques_there)
       if (fields%has('ringing', motion%ringing >= 0)) &
@@ -218,10 +235,27 @@ contains
       call carry(fields, of_displacement(3), uncertainty%minimum)
       call carry(fields, of_displacement(4), uncertainty%maximum)
       call carry(fields, of_displacement(5), uncertainty%force_maximum)
-      if (.not. torques_there) return
-      call carry(fields, of_torques(1), uncertainty%torque_mean)
-      call carry(fields, of_torques(2), uncertainty%torque_minimum)
-      call carry(fields, of_torques(3), uncertainty%torque_maximum)
+      if (.not. torques_there .or. fields%length_of('shaft') == 0) return
+      call carry_first(of_torques(1), uncertainty%torque_mean)
+      call carry_first(of_torques(2), uncertainty%torque_minimum)
+      call carry_first(of_torques(3), uncertainty%torque_maximum)
+
+   contains
+
+      !> Without the reaction torques of held bodies.
+      subroutine carry_first(about, values)
+         type(row), intent(in) :: about
+         real(dp), allocatable, intent(inout) :: values(:)
+         real(dp), allocatable :: shafts(:)
+
+         if (fields%way == reading) then
+            call carry(fields, about, values)
+         else
+            if (allocated(values)) shafts = values(:min(size(values), max(0, fields%length_of('shaft'))))
+            call carry(fields, about, shafts)
+         end if
+      end subroutine carry_first
+
    end subroutine carry_uncertainty
 
    !> Adds the axis of coefficients with the labels mean, cos 1, sin 1, cos 2, ...
@@ -241,31 +275,33 @@ contains
       call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/period')
    end subroutine coefficient_axis
 
-   !> Torques of the shafts of a motion.
+   !> Torques of the shafts and held bodies of a motion.
    subroutine carry_torques_1(fields, mean, minimum, maximum)
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
-      !> Torques [N m], (shaft); not allocated: none.
+      !> Torques [N m], (shaft, then held body); not allocated: none.
       real(dp), allocatable, intent(inout) :: mean(:), minimum(:), maximum(:)
 
-      call carry(fields, torques(1), mean)
-      call carry(fields, torques(2), minimum)
-      call carry(fields, torques(3), maximum)
+      call carry_torque(fields, torques(1), reactions(1), mean)
+      call carry_torque(fields, torques(2), reactions(2), minimum)
+      call carry_torque(fields, torques(3), reactions(3), maximum)
    end subroutine carry_torques_1
 
-   !> Torques of the shafts at each point of a branch.
+   !> Torques of the shafts and held bodies at each point of a branch.
    subroutine carry_torques_2(fields, mean, minimum, maximum)
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
-      !> Torques [N m], (shaft, point); not allocated: none.
+      !> Torques [N m], (shaft, then held body, point); not allocated: none.
       real(dp), allocatable, intent(inout) :: mean(:, :), minimum(:, :), maximum(:, :)
-      type(row) :: about(3)
+      type(row) :: about(3), held(3)
 
       about = torques
       about%dimensions = 'point shaft'
-      call carry(fields, about(1), mean)
-      call carry(fields, about(2), minimum)
-      call carry(fields, about(3), maximum)
+      held = reactions
+      held%dimensions = 'point held'
+      call carry_torque(fields, about(1), held(1), mean)
+      call carry_torque(fields, about(2), held(2), minimum)
+      call carry_torque(fields, about(3), held(3), maximum)
    end subroutine carry_torques_2
 
    !> Loads on the meshes of a motion.

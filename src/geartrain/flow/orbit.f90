@@ -246,7 +246,7 @@ contains
       if (stored == 0) stored = stored_harmonics(system)
       ! Displacements, velocities and forces of meshes, forces of all elements, torques; the transform and its spectrum.
       bytes = 8.0_dp*periods*measured_samples(system, stored) &
-              *(3*system%meshes + system%elements + system%torque_paths%shafts + 2)
+              *(3*system%meshes + system%elements + system%torque_paths%rows + 2)
    end function memory_to_measure
 
    !> Computes the figures of a motion from its frequency, period and state.
@@ -276,12 +276,13 @@ contains
       lines = nint(harmonics*periods)
       q = ceiling(periods*measured_samples(system, harmonics))
       if (motion%window > 0) q = transform_length(q)
-      allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%shafts))
+      allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%rows))
       call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque, &
                         window=motion%window, observer=observer, stopped=ended)
       if (present(stopped)) stopped = ended
       ! Figures of long windows take a second that nobody waits for any more.
       if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
+      motion%held = system%torque_paths%held
       motion%shaft_torque_mean = sum(torque, 1)/q
       motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0), j=1, size(torque, 2))]
       motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0), j=1, size(torque, 2))]

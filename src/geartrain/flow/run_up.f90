@@ -77,7 +77,7 @@ contains
       type(system_type), intent(in) :: system
       !> The ramp.
       type(ramp_type), intent(in) :: ramp
-      !> Samples of a period of the fundamental at the highest speed; number of shafts, rigid ones included.
+      !> Samples of a period of the fundamental at the highest speed; number of shafts, rigid ones included, and of held bodies.
       integer, intent(in) :: samples, shafts
       !> Gets its arrays.
       type(run_up_type), intent(inout) :: result
@@ -205,7 +205,7 @@ contains
                call include(force(:, i), flow%length, result%force_minimum(i, w), result%force_maximum(i, w))
             end do
             call torque_series(flow, begun, force, torque)
-            do i = 1, system%torque_paths%shafts
+            do i = 1, system%torque_paths%rows
                if (system%torque_paths%known(i)) &
                   call include(torque(:, i), flow%length, result%torque_minimum(i, w), result%torque_maximum(i, w))
             end do
@@ -271,7 +271,7 @@ contains
                force(:, n) = system%stiffness(n)*length*force(:, n)
             end if
          end do
-         do s = 1, paths%shafts
+         do s = 1, paths%rows
             torque(:, s) = 0
             torque(0, s) = paths%constant(s)
             do i = paths%first(s), paths%first(s + 1) - 1

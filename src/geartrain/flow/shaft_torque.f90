@@ -1,4 +1,4 @@
-!> Torques of shafts along the flow.
+!> Torques of shafts and of what holds bodies, along the flow.
 module geartrain_flow_shaft_torque
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
@@ -50,7 +50,7 @@ contains
       integer :: i, q, s
 
       associate (paths => system%torque_paths, length => system%characteristic_length)
-         do s = 1, paths%shafts
+         do s = 1, paths%rows
             torque(:, s) = paths%constant(s)
             do i = paths%first(s), paths%first(s + 1) - 1
                torque(:, s) = torque(:, s) + (paths%gain(i)*system%stiffness(paths%element(i))*length)*phi(:, paths%element(i))

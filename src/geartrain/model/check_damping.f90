@@ -4,7 +4,7 @@ module geartrain_model_check_damping
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_model_mesh, only: is_given
-   use geartrain_model_network, only: state_count
+   use geartrain_model_state_count, only: state_count
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private

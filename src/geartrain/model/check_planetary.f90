@@ -283,9 +283,9 @@ contains
       end associate
       if (distance > numbers%planet_tip) return
       if (is_given(set%angles)) then
-         call checker%complain('angles', integer_text(numbers%planets)//' values', overlap())
+         call checker%complain('angles', integer_text(numbers%planets)//' values', trim(overlap()))
       else
-         call checker%complain('planets', integer_text(numbers%planets), overlap())
+         call checker%complain('planets', integer_text(numbers%planets), trim(overlap()))
       end if
 
    contains

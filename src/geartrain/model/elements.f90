@@ -18,6 +18,9 @@ module geartrain_model_elements
       integer :: shaft = 0, mesh = 0
       !> Bodies of the entries of a shaft or mesh, (entry).
       integer, allocatable :: body(:)
+      !> Bodies that stand still, and the displacement that a rotation of them would be [m], (held entry).
+      integer, allocatable :: held_body(:)
+      real(dp), allocatable :: held_entry(:)
       !> Torque of a shaft per force along the line of action [m].
       real(dp) :: radius = 0
       !> Stiffness [N/m] and damping [N s/m] along the line of action.
@@ -65,7 +68,7 @@ contains
          elements(n)%node = [i]
          ! Along the line of action of an element there, as far as any is.
          elements(n)%entry = [radius_at(elements(:n - 1), i)]
-         elements(n)%body = [integer ::]
+         call touch_ground(elements(n))
          elements(n)%stiffness = nodes%support(i)/elements(n)%entry(1)**2
       end do
       do i = 1, size(nodes%inertia)
@@ -73,10 +76,19 @@ contains
          n = n + 1
          elements(n)%node = [i]
          elements(n)%entry = [1.0_dp]
-         elements(n)%body = [integer ::]
+         call touch_ground(elements(n))
          elements(n)%elastic = .false.
       end do
    end subroutine list_elements
+
+   !> A spring or damper to ground has no other body.
+   pure subroutine touch_ground(element)
+      type(element_type), intent(inout) :: element
+
+      element%body = [integer ::]
+      element%held_body = [integer ::]
+      element%held_entry = [real(dp) ::]
+   end subroutine touch_ground
 
    !> Magnitude of the entry of the first element at a node [m]; 1 where there is none.
    pure real(dp) function radius_at(elements, node)
@@ -106,6 +118,8 @@ contains
       element%body = pack(bodies, moves)
       element%node = nodes%node(element%body)
       element%entry = pack(entries, moves)
+      element%held_body = pack(bodies, .not. moves)
+      element%held_entry = pack(entries, .not. moves)
       element%unknown = element%unknown .or. size(element%node) > 2
    end subroutine put_row
 

@@ -89,6 +89,7 @@ contains
          words = phasing_of(train%meshes(meshes)%phase)
          call carry_text(fields, field_type(kind//'_phasing', '', '', 'class of the set by these phases'), words)
          share = [(torsion_share(h, train%meshes(meshes)%phase), h=1, 2*size(meshes))]
+         where (share < rounding) share = 0
          call carry(fields, field_type(kind//'_torsion', 'harmonic', '1', 'share of harmonics 1, 2, ... of the mesh forces that &
             &acts on the torsion of '//kind//' and carrier, of equal planets with teeth in contact: |sum of exp(i h phase)| &
             &over planets'), share)

@@ -22,8 +22,8 @@ module geartrain_model_kinematics
       logical :: known = .false.
       !> How the bodies turn.
       type(turning_type) :: turning
-      !> Turns per turn of the body whose revolutions are the speed, as numerator >= 0 and denominator, (2, body); turns of this body
-      !> per period of the fundamental are fundamental(2)/fundamental(1).
+      !> Turns per turn of the body whose revolutions are the speed, as numerator >= 0 and denominator, (2, body); turns of this
+      !> body per period of the fundamental are fundamental(2)/fundamental(1).
       integer(int64), allocatable :: rate(:, :)
       integer(int64) :: fundamental(2) = [1_int64, 1_int64]
       !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); revolution_order is 0 where the

@@ -6,7 +6,7 @@ module geartrain_model_labels
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: body_labels, label_length, mesh_labels, shaft_labels
+   public :: body_labels, held_labels, label_length, mesh_labels, shaft_labels
 
    !> Most characters of a label.
    integer, parameter :: label_length = 2*name_length + 16
@@ -30,6 +30,25 @@ contains
          end if
       end do
    end function body_labels
+
+   !> Names of the held bodies, (held body).
+   pure function held_labels(train) result(labels)
+      !> A train that is in order.
+      type(train_type), intent(in) :: train
+      character(label_length), allocatable :: labels(:)
+      integer :: i, n
+
+      n = 0
+      if (allocated(train%bodies)) n = count(train%bodies%held)
+      allocate (labels(n))
+      if (n == 0) return
+      n = 0
+      do i = 1, size(train%bodies)
+         if (.not. train%bodies(i)%held) cycle
+         n = n + 1
+         labels(n) = train%bodies(i)%name
+      end do
+   end function held_labels
 
    !> Labels of the meshes, their names or the driving body first; no two are equal, (mesh).
    pure function mesh_labels(train) result(labels)

@@ -132,7 +132,8 @@ contains
       modes%shape = modes%shape(elastic(system), :)
    end subroutine undamped
 
-   !> Finds the rotations of the bodies from the elastic forces, in proportion to the inertia forces: the rigid motions are left out.
+   !> Finds the rotations of the bodies from the elastic forces, in proportion to the inertia forces: the rigid motions are left
+   !> out.
    pure subroutine find_rotations(network, force, rotation)
       type(network_type), intent(in) :: network
       !> Force of each element, (element).

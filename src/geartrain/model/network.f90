@@ -7,14 +7,13 @@
 module geartrain_model_network
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
-   use geartrain_model_bodies, only: body_count
    use geartrain_model_elements, only: element_type, list_elements, radius_at
    use geartrain_model_nodes, only: join_rigid, nodes_type
    use geartrain_model_rows, only: rows_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: network_type, accelerate, balance_torques, balances, build_network, locks, state_count, stiffening
+   public :: network_type, accelerate, balance_torques, balances, build_network, locks, stiffening
 
    type, extends(nodes_type) :: network_type
       !> Reduced radius [m], (node).
@@ -128,18 +127,6 @@ contains
       balances = info == 0
       if (balances) balances = all([(abs(work(i, i)) > 1e-12_dp, i=1, size(scale))])
    end function balances
-
-   !> Number of values of a state: displacements and velocities of the coordinates. 0 for a train without bodies.
-   pure integer function state_count(train)
-      !> The train; its shafts are allocated.
-      type(train_type), intent(in) :: train
-      type(network_type) :: network
-
-      state_count = 0
-      if (body_count(train) == 0) return
-      call build_network(train, network)
-      state_count = network%displacements + network%coordinates
-   end function state_count
 
    !> Sets radius, stiffness and damping of a damper, whose displacement is the reduced displacement of its node.
    pure subroutine put_damper(network, element)

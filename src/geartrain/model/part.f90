@@ -21,7 +21,8 @@ module geartrain_model_part
       !> Pairs of masses joined by springs, with fill; stiffness [N/m] and damping [N s/m] of the springs, (slot).
       type(graph_type) :: graph
       real(dp), allocatable :: stiffness(:), damping(:)
-      !> Elements of the network that are springs of the part; springs and dampers to ground; whether a torque or a transmission error excites the part.
+      !> Elements of the network that are springs of the part; springs and dampers to ground; whether a torque or a transmission
+      !> error excites the part.
       integer, allocatable :: element(:), ground_element(:)
       logical :: excited = .false.
       !> Mass of each port; displacement of the mesh of the port over displacement of the mass, with sign [1], (port).

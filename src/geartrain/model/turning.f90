@@ -1,8 +1,8 @@
-!> How the bodies of a train turn in steady running: their speeds, as far as shafts and gears determine them, and the senses in which
-!> rotations count as positive.
+!> How the bodies of a train turn in steady running: their speeds, as far as shafts and gears determine them, and the senses in
+!> which rotations count as positive.
 !>
-!> Every joint is a row of speeds of one sense: a shaft (1, -1); a gear pair z_a (n_a - n_c) + q z_b (n_b - n_c) = 0 with the carrier
-!> c, q = 1 for an external and -1 for an internal pair (Willis). Speeds are the null space of the rows.
+!> Every joint is a row of speeds of one sense: a shaft (1, -1); a gear pair z_a (n_a - n_c) + q z_b (n_b - n_c) = 0 with the
+!> carrier c, q = 1 for an external and -1 for an internal pair (Willis). Speeds are the null space of the rows.
 module geartrain_model_turning
    use geartrain_base_kinds, only: dp
    use geartrain_model_bodies, only: body_count, find_carriers, find_ends

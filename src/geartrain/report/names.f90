@@ -1,11 +1,11 @@
 !> How a report calls meshes, shafts and harmonics.
 module geartrain_report_names
    use geartrain_base_numbers, only: text
-   use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
+   use geartrain_model_labels, only: held_labels, label_length, mesh_labels, shaft_labels
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: list_numbers, mesh_names, name_length, shaft_names
+   public :: list_numbers, mesh_names, name_length, shaft_names, torque_names
 
    !> Most characters of a name.
    integer, parameter :: name_length = label_length + 20
@@ -43,6 +43,22 @@ contains
          if (allocated(train%bodies)) names(i) = 'shaft '//text(i)//' ('//trim(labels(i))//')'
       end do
    end function shaft_names
+
+   !> Names of the torques of a train: of the shafts, then 'reaction of housing' of the held bodies, (shaft, then held body).
+   pure function torque_names(train) result(names)
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      character(name_length), allocatable :: names(:)
+      character(label_length), allocatable :: held(:)
+      integer :: i
+
+      held = held_labels(train)
+      allocate (names(size(train%shafts) + size(held)))
+      names(:size(train%shafts)) = shaft_names(train)
+      do i = 1, size(held)
+         names(size(train%shafts) + i) = 'reaction of '//held(i)
+      end do
+   end function torque_names
 
    !> The numbers of those that are there, with a word before: 'mesh 2', 'meshes 1, 2, 5'; '' for none.
    subroutine list_numbers(is_there, one, many, words)

@@ -11,7 +11,7 @@ module geartrain_report_sweep
    use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_report_load, only: load_sides
    use geartrain_report_loads, only: say_meshes
-   use geartrain_report_names, only: mesh_names, name_length
+   use geartrain_report_names, only: mesh_names, name_length, torque_names
    use geartrain_report_ranges, only: range_words, ranges_of_points
    use geartrain_report_sheet, only: in_head, in_quality, in_result, sheet_type
    use geartrain_report_torques, only: say_reversals, torque_table_type
@@ -76,7 +76,7 @@ contains
       type(text_type) :: contact(size(train%meshes))
       type(train_type) :: plain
       character(name_length) :: names(size(train%meshes))
-      real(dp), dimension(size(train%shafts), size(motions)) :: mean, low, high
+      real(dp), dimension(size(torque_names(train)), size(motions)) :: mean, low, high
       real(dp) :: smallest(size(motions)), largest(size(motions))
       logical, dimension(size(motions)) :: counts, has_torque, connected, hits
       integer :: sides(size(train%meshes)), i, mesh

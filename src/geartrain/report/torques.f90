@@ -5,7 +5,7 @@ module geartrain_report_torques
    use geartrain_continuation_summary, only: band_type
    use geartrain_model_train, only: train_type
    use geartrain_report_frequency_text, only: frequency_text_type, in_width
-   use geartrain_report_names, only: name_length, shaft_names
+   use geartrain_report_names, only: name_length, shaft_names, torque_names
    use geartrain_report_ranges, only: range_words, ranges_of_points
    use geartrain_report_sheet, only: in_result, in_shafts, sheet_type
    implicit none (type, external)
@@ -82,8 +82,8 @@ contains
       type(train_type), intent(in) :: train
       !> The report.
       type(sheet_type), intent(inout) :: sheet
-      character(name_length) :: names(size(train%shafts))
-      logical :: shown(size(train%shafts))
+      character(name_length), allocatable :: names(:)
+      logical :: shown(size(self%known))
       integer :: i, width
 
       if (.not. allocated(self%low)) return
@@ -94,7 +94,7 @@ contains
          shown(i) = .false.
       end do
       if (.not. any(shown)) return
-      names = shaft_names(train)
+      names = torque_names(train)
       width = maxval(len_trim(names), 1, shown)
       call sheet%add(in_shafts, repeat(' ', width)//'   mean [N m]   minimum  at                 maximum  at')
       do i = 1, size(names)

@@ -8,7 +8,7 @@ module geartrain_run_report
    use geartrain_base_numbers, only: fixed
    use geartrain_model_explain, only: speed_text
    use geartrain_model_modes, only: modes_type, natural_modes
-   use geartrain_model_network, only: state_count
+   use geartrain_model_state_count, only: state_count
    use geartrain_report_branch, only: report_further
    use geartrain_report_frequency_text, only: text_for
    use geartrain_report_load, only: say_load
