@@ -30,6 +30,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     "body": {
         "name": Variable("name", "text", "str", None, True, "Name by which shafts and meshes refer to the body"),
         "inertia": Variable("inertia", "real", "float", None, False, "Polar moment of inertia; 0 only where all its connections are rigid shafts. Default: from outer_diameter, else of its gears as discs of their pitch diameters; [kg m^2]; >= 0"),
+        "added_inertia": Variable("added_inertia", "real", "float", 0.0, False, "Adds to the inertia, given or not: of masses that the body carries, as a carrier its planets; [kg m^2]; >= 0"),
         "outer_diameter": Variable("outer_diameter", "reals", "Series", None, False, "Diameters of discs; their inertias are added; [m]; > 0"),
         "bore": Variable("bore", "reals", "Series", None, False, "Bores of the discs; one value: for all; none: 0; [m]; >= 0"),
         "width": Variable("width", "reals", "Series", None, False, "Widths of the discs; [m]; > 0"),
@@ -40,7 +41,51 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "revolution_torque_cos": Variable("revolution_torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the torque on the body, orders 1, 2, ... of its revolution; every mesh must have teeth; [N m]"),
         "revolution_torque_sin": Variable("revolution_torque_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [N m]"),
         "damping_to_ground": Variable("damping_to_ground", "real", "float", 0.0, False, "Damping of the vibration of the body against the ground; give a mean drag as torque; [N m s/rad]; >= 0"),
-        "balances": Variable("balances", "logical", "bool", False, False, "The mean torque of the body balances all other torques, in a run-up also the acceleration of the inertias; True for exactly one body"),
+        "stiffness_to_ground": Variable("stiffness_to_ground", "real", "float", 0.0, False, "Stiffness of a spring between the body and the ground; it bears a mean torque, and the body cannot turn; [N m/rad]; >= 0"),
+        "held": Variable("held", "logical", "bool", False, False, "The body stands still, as a housing; its reaction torque is a result"),
+        "speed_ratio": Variable("speed_ratio", "real", "float", 0.0, False, "Mean speed of the body over that of `speed_of`, negative in the opposite sense; only where the gears leave it free, as in a differential"),
+        "balances": Variable("balances", "logical", "bool", False, False, "The mean torque of the body balances all other torques, in a run-up also the acceleration of the inertias; True for as many bodies as there are independent speeds, for none where a spring to ground holds the train"),
+    },
+    "planetary": {
+        "name": Variable("name", "text", "str", None, True, "Name of the set: its planets are the bodies 'NAME planet 1', ..., its meshes are named 'NAME sun 1', ..., 'NAME ring 1', ..."),
+        "sun": Variable("sun", "text", "str", "", False, "Name of the body that is the sun; none: the set has no sun"),
+        "ring": Variable("ring", "text", "str", "", False, "Name of the body that is the ring; none: the set has no ring"),
+        "carrier": Variable("carrier", "text", "str", "", False, "Name of the body on which the planets ride"),
+        "teeth": Variable("teeth", "reals", "Series", None, False, "Numbers of teeth of sun, planet and ring; 0 for a sun or ring that the set lacks; >= 0 and <= 100000"),
+        "planets": Variable("planets", "integer", "int", 0, False, "Number of planets, equally spaced; or `angles; >= 2 and <= 1000, or 0"),
+        "angles": Variable("angles", "reals", "Series", None, False, "Angles of the planets on the carrier, in the sense in which the sun turns seen from the carrier; in place of `planets; [degree]"),
+        "driving": Variable("driving", "text", "Literal['sun', 'ring']", "sun", False, "Member that drives the planets, seen from the carrier: ring where the sun is driven, as in a wind turbine; 'sun' or 'ring'"),
+        "normal_module": Variable("normal_module", "real", "float", None, True, "Normal module; [m]; > 0"),
+        "pressure_angle": Variable("pressure_angle", "real", "float", 20.0, False, "Normal pressure angle of the basic rack; [degree]; >= 10 and <= 35"),
+        "helix_angle": Variable("helix_angle", "real", "float", 0.0, False, "Helix angle at the reference circle; [degree]; >= 0 and <= 60"),
+        "face_width": Variable("face_width", "real", "float", None, False, "Common face width of the gears; [m]; > 0"),
+        "profile_shift": Variable("profile_shift", "reals", "Series", None, False, "Profile shift coefficients of sun, planet and ring, positive towards the tips; none: 0; >= -2 and <= 2"),
+        "centre_distance": Variable("centre_distance", "real", "float", None, False, "Distance of the axes of sun and planets; default: the flanks touch without backlash; [m]; > 0"),
+        "tip_diameter": Variable("tip_diameter", "reals", "Series", None, False, "Tip diameters of sun, planet and ring; default: from the basic rack, shortened to keep its clearance; [m]; > 0"),
+        "dedendum": Variable("dedendum", "real", "float", 1.25, False, "Dedendum of the basic rack over the module; >= 1 and <= 2"),
+        "planet_inertia": Variable("planet_inertia", "real", "float", None, False, "Polar moment of inertia of a planet; default: of a disc of its pitch diameter, with face_width, planet_bore and density; [kg m^2]; > 0"),
+        "planet_mass": Variable("planet_mass", "real", "float", None, False, "Mass of a planet; at the centre distance the masses of all planets add to the inertia of the carrier. Default: of the disc; 0 without face_width; [kg]; >= 0"),
+        "planet_bore": Variable("planet_bore", "real", "float", 0.0, False, "Bore of the planets; [m]; >= 0"),
+        "density": Variable("density", "real", "float", 7850.0, False, "Density of the planets; [kg/m^3]; > 0"),
+        "backlash": Variable("backlash", "reals", "Series", None, False, "Circumferential backlash at the working pitch circles of sun meshes and ring meshes; one value: of both; [m]; >= 0"),
+        "half_backlash": Variable("half_backlash", "reals", "Series", None, False, "Half of the backlash along the line of action of sun meshes and ring meshes; one value: of both, in place of backlash; [m]; >= 0"),
+        "stiffness": Variable("stiffness", "reals", "Series", None, False, "Mean mesh stiffness of sun meshes and ring meshes; one value: of both; none: from the drawing by ISO 6336-1; [N/m]; > 0"),
+        "damping_ratio": Variable("damping_ratio", "reals", "Series", None, False, "Damping ratio, as of a mesh, of sun meshes and ring meshes; one value: of both; >= 0"),
+        "damping": Variable("damping", "reals", "Series", None, False, "Damping coefficient of sun meshes and ring meshes; one value: of both, in place of damping_ratio; [N s/m]; >= 0"),
+        "loss_factor": Variable("loss_factor", "reals", "Series", None, False, "Structural damping, as of a mesh, of sun meshes and ring meshes; one value: of both, in place of damping_ratio; >= 0 and <= 2"),
+        "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "Always, or only in contact: no damping while the teeth are apart; 'always' or 'contact'"),
+        "contact_ratio": Variable("contact_ratio", "reals", "Series", None, False, "Contact ratio of sun meshes and ring meshes; one value: of both, which gives kappa as of a mesh; none: from the drawing; > 1 and <= 10"),
+        "stiffness_harmonics": Variable("stiffness_harmonics", "integer", "int", 5, False, "Number of harmonics taken of the rectangular wave; >= 1 and <= 1000"),
+        "sun_stiffness_cos": Variable("sun_stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of kappa of the sun meshes, in place of those of the contact ratio"),
+        "sun_stiffness_sin": Variable("sun_stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ..."),
+        "ring_stiffness_cos": Variable("ring_stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of kappa of the ring meshes, in place of those of the contact ratio"),
+        "ring_stiffness_sin": Variable("ring_stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ..."),
+        "sun_error_cos": Variable("sun_error_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of the transmission error of the sun meshes; [m]"),
+        "sun_error_sin": Variable("sun_error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
+        "ring_error_cos": Variable("ring_error_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of the transmission error of the ring meshes; [m]"),
+        "ring_error_sin": Variable("ring_error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
+        "ring_phase": Variable("ring_phase", "real", "float", 0.0, False, "Lag of kappa and transmission error of each ring mesh behind those of the sun mesh of its planet, in the mesh cycle; default: from tooth thickness and tips of the drawing, for kappa as contact_ratio gives it; [rad]"),
+        "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, as of a mesh; >= 1 and <= 1.0e6, or 0"),
     },
     "shaft": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies at its two ends; none in a chain"),
@@ -56,6 +101,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     },
     "mesh": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies with the driving and the driven gear; none in a chain"),
+        "name": Variable("name", "text", "str", "", False, "Label of the mesh in results; none: by the names of the bodies"),
+        "carrier": Variable("carrier", "text", "str", "", False, "Name of the body on which both gears ride, the arm of a planetary stage; none: their axes stand still"),
         "teeth": Variable("teeth", "reals", "Series", None, False, "Numbers of teeth of the driving and the driven gear; >= 3 and <= 100000"),
         "normal_module": Variable("normal_module", "real", "float", None, False, "Normal module; [m]; > 0"),
         "pressure_angle": Variable("pressure_angle", "real", "float", 20.0, False, "Normal pressure angle of the basic rack; [degree]; >= 10 and <= 35"),
@@ -207,6 +254,7 @@ class Body(Part, variables=VARIABLES["body"]):
 
     name: str | None = None
     inertia: float | None = None
+    added_inertia: float | None = None
     outer_diameter: Series | None = None
     bore: Series | None = None
     width: Series | None = None
@@ -217,7 +265,55 @@ class Body(Part, variables=VARIABLES["body"]):
     revolution_torque_cos: Series | None = None
     revolution_torque_sin: Series | None = None
     damping_to_ground: float | None = None
+    stiffness_to_ground: float | None = None
+    held: bool | None = None
+    speed_ratio: float | None = None
     balances: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Planetary(Part, variables=VARIABLES["planetary"]):
+    """A planetary set: a short form of bodies, its planets, and of their meshes with sun and ring, in place of which it stands.."""
+
+    name: str | None = None
+    sun: str | None = None
+    ring: str | None = None
+    carrier: str | None = None
+    teeth: Series | None = None
+    planets: int | None = None
+    angles: Series | None = None
+    driving: Literal["sun", "ring"] | None = None
+    normal_module: float | None = None
+    pressure_angle: float | None = None
+    helix_angle: float | None = None
+    face_width: float | None = None
+    profile_shift: Series | None = None
+    centre_distance: float | None = None
+    tip_diameter: Series | None = None
+    dedendum: float | None = None
+    planet_inertia: float | None = None
+    planet_mass: float | None = None
+    planet_bore: float | None = None
+    density: float | None = None
+    backlash: Series | None = None
+    half_backlash: Series | None = None
+    stiffness: Series | None = None
+    damping_ratio: Series | None = None
+    damping: Series | None = None
+    loss_factor: Series | None = None
+    damping_acts: Literal["always", "contact"] | None = None
+    contact_ratio: Series | None = None
+    stiffness_harmonics: int | None = None
+    sun_stiffness_cos: Series | None = None
+    sun_stiffness_sin: Series | None = None
+    ring_stiffness_cos: Series | None = None
+    ring_stiffness_sin: Series | None = None
+    sun_error_cos: Series | None = None
+    sun_error_sin: Series | None = None
+    ring_error_cos: Series | None = None
+    ring_error_sin: Series | None = None
+    ring_phase: float | None = None
+    order: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -241,6 +337,8 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     """A gear pair."""
 
     between: Sequence[str] | None = None
+    name: str | None = None
+    carrier: str | None = None
     teeth: Series | None = None
     normal_module: float | None = None
     pressure_angle: float | None = None
@@ -293,6 +391,7 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
     modal_damping: Series | None = None
     speed_of: str | None = None
     bodies: Sequence[Body] = ()
+    planetaries: Sequence[Planetary] = ()
     shafts: Sequence[Shaft] = ()
     meshes: Sequence[Mesh] = ()
 
@@ -300,6 +399,7 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
 #: Groups that are parts of the train: the keyword of their list, and their class.
 PARTS: dict[str, tuple[str, type[Part]]] = {
     "body": ("bodies", Body),
+    "planetary": ("planetaries", Planetary),
     "shaft": ("shafts", Shaft),
     "mesh": ("meshes", Mesh),
 }
