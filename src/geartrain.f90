@@ -50,6 +50,8 @@ module geartrain
    use geartrain_model_gradient, only: frequency_gradient, gradient_type
    use geartrain_model_mesh, only: mesh_type
    use geartrain_model_modes, only: modes_type, natural_modes
+   use geartrain_model_planetary, only: planetary_type
+   use geartrain_model_planetary_expansion, only: expand_planetaries
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    use geartrain_run_read_results, only: read_results

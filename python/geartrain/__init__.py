@@ -59,7 +59,7 @@ from .summary import Jump, Peak, Peaks
 from .sweep import Sweep
 from .train import Train
 from .trajectory import Trajectory
-from .variables import Body, Mesh, Shaft
+from .variables import Body, Mesh, Planetary, Shaft
 
 __all__ = [
     "Attractors",
@@ -89,6 +89,7 @@ __all__ = [
     "Page",
     "Peak",
     "Peaks",
+    "Planetary",
     "Results",
     "RunUp",
     "Shaft",

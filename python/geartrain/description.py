@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from itertools import zip_longest
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from ._box import Box
-from ._namelist import group, in_words_of_the_call, values
+from ._namelist import group, in_words_of_the_call, parse, values
 from ._variable import Part, refuse_unknown
 from ._warn import warn
 from .errors import DrawingWarning, InputError, shown
 from .explanation import Explanation
-from .variables import PARTS, VARIABLES, TrainVariables
+from .variables import PARTS, VARIABLES, Body, Mesh, TrainVariables
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -35,6 +36,8 @@ class Description(TrainVariables):
                 raise InputError(f"{name} = {shown(parts)}: must be a list of gt.{kind.__name__}")
             object.__setattr__(self, name, tuple(parts))
         super().__post_init__()
+        if self.planetaries:
+            self._expand()
         for told in self.warnings:  # which checks the train
             warn(told, DrawingWarning)
 
@@ -47,6 +50,21 @@ class Description(TrainVariables):
         orders = ", ".join(str(order) for order in sorted({int(order) for order in self._outline["order"]}))
         title = f" {self.title!r}" if self.title else ""
         return f"<{type(self).__name__}{title}: {', '.join(counts)} of order {orders}>"
+
+    def _expand(self) -> None:
+        """Put bodies and meshes in the place of the planetary sets, as Fortran expands them in a case file."""
+        with Box(self.namelist()) as box:
+            groups = parse(box.text("case"))
+        found: dict[str, list[dict[str, Any]]] = {name: [] for name in ("body", "mesh")}
+        for name, variables in groups:
+            if name in found:
+                given = {key: value for key, value in variables.items() if value != VARIABLES[name][key].default}
+                found[name].append(given)
+        carried = (replace(body, added_inertia=given.get("added_inertia")) for body, given in zip(self.bodies, found["body"]))
+        bodies = [*carried, *(Body(**given) for given in found["body"][len(self.bodies):])]
+        meshes = [*self.meshes, *(Mesh(**given) for given in found["mesh"][len(self.meshes):])]
+        for name, parts in (("bodies", bodies), ("meshes", meshes), ("planetaries", ())):
+            object.__setattr__(self, name, tuple(parts))
 
     def namelist(self, **analyses: Unpack[Analyses]) -> str:
         """The train, and the analyses wanted, as a case file's text.

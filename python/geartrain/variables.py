@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 VARIABLES: dict[str, dict[str, Variable]] = {
     "train": {
         "title": Variable("title", "text", "str", "", False, "A line of text that is stored with the results"),
-        "input_torque": Variable("input_torque", "real", "float", None, False, "Mean torque at the driving end of a chain; the load torque balances it; [N m]"),
+        "input_torque": Variable("input_torque", "real", "float", 0.0, False, "Mean torque at the driving end of a chain; the load torque balances it; [N m]"),
         "torque_cos": Variable("torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the input torque, orders 1, 2, ... of Lambda; [N m]"),
         "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [N m]"),
-        "prime_mover_inertia": Variable("prime_mover_inertia", "real", "float", None, False, "Polar moment of inertia at the driving end of a chain; 0 only if the first shaft is rigid; [kg m^2]; >= 0"),
-        "load_inertia": Variable("load_inertia", "real", "float", None, False, "Polar moment of inertia at the driven end of a chain; 0 only if the last shaft is rigid; [kg m^2]; >= 0"),
+        "prime_mover_inertia": Variable("prime_mover_inertia", "real", "float", 0.0, False, "Polar moment of inertia at the driving end of a chain; 0 only if the first shaft is rigid; [kg m^2]; >= 0"),
+        "load_inertia": Variable("load_inertia", "real", "float", 0.0, False, "Polar moment of inertia at the driven end of a chain; 0 only if the last shaft is rigid; [kg m^2]; >= 0"),
         "characteristic_length": Variable("characteristic_length", "real", "float", None, False, "Unit of the mesh displacements in results, b_c; default where every mesh has teeth: 1e-6; [m]; > 0"),
         "characteristic_frequency": Variable("characteristic_frequency", "real", "float", None, False, "Unit of the frequencies in results, omega_c: Lambda is the fundamental frequency over omega_c. Default where every mesh has teeth: Lambda is the speed in rpm; [rad/s]; > 0"),
         "modal_damping": Variable("modal_damping", "reals", "Series", None, False, "Damping ratios of modes 1, 2, ...; the last value holds for all higher modes. Shafts and meshes without damping of their own get dampings >= 0 that approximate these ratios; >= 0 and <= 1"),
@@ -30,6 +30,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     "body": {
         "name": Variable("name", "text", "str", None, True, "Name by which shafts and meshes refer to the body"),
         "inertia": Variable("inertia", "real", "float", None, False, "Polar moment of inertia; 0 only where all its connections are rigid shafts. Default: from outer_diameter, else of its gears as discs of their pitch diameters; [kg m^2]; >= 0"),
+        "added_inertia": Variable("added_inertia", "real", "float", 0.0, False, "Adds to the inertia, given or not: of masses that the body carries, as a carrier its planets; [kg m^2]; >= 0"),
         "outer_diameter": Variable("outer_diameter", "reals", "Series", None, False, "Diameters of discs; their inertias are added; [m]; > 0"),
         "bore": Variable("bore", "reals", "Series", None, False, "Bores of the discs; one value: for all; none: 0; [m]; >= 0"),
         "width": Variable("width", "reals", "Series", None, False, "Widths of the discs; [m]; > 0"),
@@ -45,6 +46,47 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "speed_ratio": Variable("speed_ratio", "real", "float", 0.0, False, "Mean speed of the body over that of `speed_of`, negative in the opposite sense; only where the gears leave it free, as in a differential"),
         "balances": Variable("balances", "logical", "bool", False, False, "The mean torque of the body balances all other torques, in a run-up also the acceleration of the inertias; True for as many bodies as there are independent speeds, for none where a spring to ground holds the train"),
     },
+    "planetary": {
+        "name": Variable("name", "text", "str", None, True, "Name of the set: its planets are the bodies 'NAME planet 1', ..., its meshes are named 'NAME sun 1', ..., 'NAME ring 1', ..."),
+        "sun": Variable("sun", "text", "str", "", False, "Name of the body that is the sun; none: the set has no sun"),
+        "ring": Variable("ring", "text", "str", "", False, "Name of the body that is the ring; none: the set has no ring"),
+        "carrier": Variable("carrier", "text", "str", "", False, "Name of the body on which the planets ride"),
+        "teeth": Variable("teeth", "reals", "Series", None, False, "Numbers of teeth of sun, planet and ring; 0 for a sun or ring that the set lacks; >= 0 and <= 100000"),
+        "planets": Variable("planets", "integer", "int", 0, False, "Number of planets, equally spaced; or `angles; >= 2 and <= 1000, or 0"),
+        "angles": Variable("angles", "reals", "Series", None, False, "Angles of the planets on the carrier, in the sense in which the sun turns seen from the carrier; in place of `planets; [degree]"),
+        "driving": Variable("driving", "text", "Literal['sun', 'ring']", "sun", False, "Member that drives the planets, seen from the carrier: ring where the sun is driven, as in a wind turbine; 'sun' or 'ring'"),
+        "normal_module": Variable("normal_module", "real", "float", None, True, "Normal module; [m]; > 0"),
+        "pressure_angle": Variable("pressure_angle", "real", "float", 20.0, False, "Normal pressure angle of the basic rack; [degree]; >= 10 and <= 35"),
+        "helix_angle": Variable("helix_angle", "real", "float", 0.0, False, "Helix angle at the reference circle; [degree]; >= 0 and <= 60"),
+        "face_width": Variable("face_width", "real", "float", None, False, "Common face width of the gears; [m]; > 0"),
+        "profile_shift": Variable("profile_shift", "reals", "Series", None, False, "Profile shift coefficients of sun, planet and ring, positive towards the tips; none: 0; >= -2 and <= 2"),
+        "centre_distance": Variable("centre_distance", "real", "float", None, False, "Distance of the axes of sun and planets; default: the flanks touch without backlash; [m]; > 0"),
+        "tip_diameter": Variable("tip_diameter", "reals", "Series", None, False, "Tip diameters of sun, planet and ring; default: from the basic rack, shortened to keep its clearance; [m]; > 0"),
+        "dedendum": Variable("dedendum", "real", "float", 1.25, False, "Dedendum of the basic rack over the module; >= 1 and <= 2"),
+        "planet_inertia": Variable("planet_inertia", "real", "float", None, False, "Polar moment of inertia of a planet; default: of a disc of its pitch diameter, with face_width, planet_bore and density; [kg m^2]; > 0"),
+        "planet_mass": Variable("planet_mass", "real", "float", None, False, "Mass of a planet; at the centre distance the masses of all planets add to the inertia of the carrier. Default: of the disc; 0 without face_width; [kg]; >= 0"),
+        "planet_bore": Variable("planet_bore", "real", "float", 0.0, False, "Bore of the planets; [m]; >= 0"),
+        "density": Variable("density", "real", "float", 7850.0, False, "Density of the planets; [kg/m^3]; > 0"),
+        "backlash": Variable("backlash", "reals", "Series", None, False, "Circumferential backlash at the working pitch circles of sun meshes and ring meshes; one value: of both; [m]; >= 0"),
+        "half_backlash": Variable("half_backlash", "reals", "Series", None, False, "Half of the backlash along the line of action of sun meshes and ring meshes; one value: of both, in place of backlash; [m]; >= 0"),
+        "stiffness": Variable("stiffness", "reals", "Series", None, False, "Mean mesh stiffness of sun meshes and ring meshes; one value: of both; none: from the drawing by ISO 6336-1; [N/m]; > 0"),
+        "damping_ratio": Variable("damping_ratio", "reals", "Series", None, False, "Damping ratio, as of a mesh, of sun meshes and ring meshes; one value: of both; >= 0"),
+        "damping": Variable("damping", "reals", "Series", None, False, "Damping coefficient of sun meshes and ring meshes; one value: of both, in place of damping_ratio; [N s/m]; >= 0"),
+        "loss_factor": Variable("loss_factor", "reals", "Series", None, False, "Structural damping, as of a mesh, of sun meshes and ring meshes; one value: of both, in place of damping_ratio; >= 0 and <= 2"),
+        "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "Always, or only in contact: no damping while the teeth are apart; 'always' or 'contact'"),
+        "contact_ratio": Variable("contact_ratio", "reals", "Series", None, False, "Contact ratio of sun meshes and ring meshes; one value: of both, which gives kappa as of a mesh; none: from the drawing; > 1 and <= 10"),
+        "stiffness_harmonics": Variable("stiffness_harmonics", "integer", "int", 5, False, "Number of harmonics taken of the rectangular wave; >= 1 and <= 1000"),
+        "sun_stiffness_cos": Variable("sun_stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of kappa of the sun meshes, in place of those of the contact ratio"),
+        "sun_stiffness_sin": Variable("sun_stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ..."),
+        "ring_stiffness_cos": Variable("ring_stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of kappa of the ring meshes, in place of those of the contact ratio"),
+        "ring_stiffness_sin": Variable("ring_stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ..."),
+        "sun_error_cos": Variable("sun_error_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of the transmission error of the sun meshes; [m]"),
+        "sun_error_sin": Variable("sun_error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
+        "ring_error_cos": Variable("ring_error_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of the transmission error of the ring meshes; [m]"),
+        "ring_error_sin": Variable("ring_error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
+        "ring_phase": Variable("ring_phase", "real", "float", 0.0, False, "Lag of kappa and transmission error of each ring mesh behind those of the sun mesh of its planet, in the mesh cycle; default: from tooth thickness and tips of the drawing, for kappa as contact_ratio gives it; [rad]"),
+        "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, as of a mesh; >= 1 and <= 1.0e6, or 0"),
+    },
     "shaft": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies at its two ends; none in a chain"),
         "rigid": Variable("rigid", "logical", "bool", False, False, "The bodies at its ends turn as one; a rigid shaft has no stiffness and no damping"),
@@ -59,6 +101,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     },
     "mesh": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the bodies with the driving and the driven gear; none in a chain"),
+        "name": Variable("name", "text", "str", "", False, "Label of the mesh in results; none: by the names of the bodies"),
         "carrier": Variable("carrier", "text", "str", "", False, "Name of the body on which both gears ride, the arm of a planetary stage; none: their axes stand still"),
         "teeth": Variable("teeth", "reals", "Series", None, False, "Numbers of teeth of the driving and the driven gear; >= 3 and <= 100000"),
         "normal_module": Variable("normal_module", "real", "float", None, False, "Normal module; [m]; > 0"),
@@ -92,7 +135,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "contact_ratio": Variable("contact_ratio", "real", "float", None, False, "Gives kappa as the rectangular wave of the number of tooth pairs in contact, in place of stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the beginning of the cycle if the integer part of the ratio is odd, else at half the cycle; > 1 and <= 10"),
         "stiffness_harmonics": Variable("stiffness_harmonics", "integer", "int", 5, False, "Number of harmonics taken of the rectangular wave; >= 1 and <= 1000"),
         "phase": Variable("phase", "real", "float", 0.0, False, "Lag of kappa and of the transmission error, in the mesh cycle; [rad]"),
-        "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; its sign and phase against the stiffness matter; [m]"),
+        "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; [m]"),
         "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
         "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh has them, else 1; >= 1 and <= 1.0e6, or 0"),
     },
@@ -113,8 +156,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "samples": Variable("samples", "integer", "int", 0, False, "Samples per period for sampled coefficients; 0: chosen by the program; >= 1 and <= 1.048576e6, or 0"),
         "control": Variable("control", "text", "Literal['arclength', 'local']", "arclength", False, "Continuation by pseudo-arclength, or by local switching of the control parameter, equation (11) of the paper; 'arclength' or 'local'"),
         "tolerance": Variable("tolerance", "real", "float", 0.0001, False, "Relative error of the waveform to reach where harmonics = 0; > 0 and <= 1"),
-        "step": Variable("step", "real", "float", 0.2, False, "Largest step along the branch: in Lambda and in mesh displacements together, each divided by a power of ten near its size in the train; > 0"),
-        "max_points": Variable("max_points", "integer", "int", 20000, False, "Largest number of points; the branch ends there; >= 2 and <= 1.0e7"),
+        "step": Variable("step", "real", "float", 0.2, False, "Largest step along the branch, in Lambda and mesh displacement together, each scaled by a power of ten to its size in the train; > 0"),
+        "max_points": Variable("max_points", "integer", "int", 20000, False, "Number of points at which the branch is given up; >= 2 and <= 1.0e7"),
         "period_doublings": Variable("period_doublings", "integer", "int", 0, False, "Levels of period doubling to follow; 1: branches of twice the period, 2: also of four times the period, ...; >= 0 and <= 6"),
         "branch_points": Variable("branch_points", "logical", "bool", False, False, "Follow also the branches that cross at branch points, as where equal stages begin to move differently"),
         "refine": Variable("refine", "logical", "bool", False, False, "Refine every point by shooting to about 1e-11, with its multipliers, also on further branches"),
@@ -134,7 +177,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     "attractors": {
         "frequency": Variable("frequency", "real", "float", None, True, "Frequency, in `unit; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies; rpm only where every mesh has teeth; 'Lambda', 'rpm' or 'Hz'"),
-        "starts": Variable("starts", "integer", "int", 200, False, "Number of random starts: displacements up to three times the static displacement, velocities up to this displacement times the natural frequency of the mesh alone; >= 1 and <= 1.0e6"),
+        "starts": Variable("starts", "integer", "int", 200, False, "Random starts: displacements up to three times the static one, velocities up to this amplitude times the frequency of the mesh alone; >= 1 and <= 1.0e6"),
         "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same starts"),
         "follow": Variable("follow", "logical", "bool", False, False, "Follow each motion that lies on no branch of the case as a further branch, over the range of &response and with its settings"),
         "harmonics": Variable("harmonics", "integer", "int", 0, False, "Harmonics of Lambda to store; 0: 16 times the highest mesh order; >= 1 and <= 20000, or 0"),
@@ -147,15 +190,15 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "frequency": Variable("frequency", "real", "float", None, True, "Frequency, in `unit; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies; rpm only where every mesh has teeth; 'Lambda', 'rpm' or 'Hz'"),
         "mesh": Variable("mesh", "integer", "int", 1, False, "Number of the mesh whose displacement and velocity the starts vary; >= 1"),
-        "displacement_start": Variable("displacement_from", "real", "float", 0.0, False, "Displacement at one end of the grid over characteristic_length; where both ends are 0, the range is plus and minus three times the static displacement"),
-        "displacement_stop": Variable("displacement_to", "real", "float", 0.0, False, "Displacement at the other end of the grid"),
+        "displacement_start": Variable("displacement_from", "real", "float", 0.0, False, "One end of the range of displacement over characteristic_length; both ends 0: plus and minus three times the static displacement"),
+        "displacement_stop": Variable("displacement_to", "real", "float", 0.0, False, "Other end of the range of displacement"),
         "displacement_points": Variable("displacement_points", "integer", "int", 200, False, "Starts along the displacement, both ends included; >= 1 and <= 10000"),
-        "velocity_start": Variable("velocity_from", "real", "float", 0.0, False, "Velocity at one end of the grid over characteristic_length times characteristic_frequency; where both ends are 0, the range is plus and minus three times the static displacement times the natural frequency of the mesh alone"),
-        "velocity_stop": Variable("velocity_to", "real", "float", 0.0, False, "Velocity at the other end of the grid"),
+        "velocity_start": Variable("velocity_from", "real", "float", 0.0, False, "One end of the range of velocity over characteristic_length times characteristic_frequency; both ends 0: plus and minus three times the static displacement times the frequency of the mesh alone"),
+        "velocity_stop": Variable("velocity_to", "real", "float", 0.0, False, "Other end of the range of velocity"),
         "velocity_points": Variable("velocity_points", "integer", "int", 200, False, "Starts along the velocity, both ends included; >= 1 and <= 10000"),
         "starts": Variable("starts", "integer", "int", 200, False, "Random starts that find the motions first, as in &attractors; >= 1 and <= 1.0e6"),
         "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same random starts"),
-        "max_periods": Variable("max_periods", "integer", "int", 500, False, "Longest time of a start in periods of the fundamental; a start that is then near no known motion is integrated for up to 64 periods more, until it settles; >= 1"),
+        "max_periods": Variable("max_periods", "integer", "int", 500, False, "Periods of the fundamental after which a start near no known motion is integrated until it settles, at most 64 more; >= 1"),
         "long_period": Variable("long_period", "logical", "bool", False, False, "Allow periods of more than 500 mesh cycles, as of hunting teeth; takes minutes to days"),
     },
     "bifurcation_diagram": {
@@ -211,6 +254,7 @@ class Body(Part, variables=VARIABLES["body"]):
 
     name: str | None = None
     inertia: float | None = None
+    added_inertia: float | None = None
     outer_diameter: Series | None = None
     bore: Series | None = None
     width: Series | None = None
@@ -225,6 +269,51 @@ class Body(Part, variables=VARIABLES["body"]):
     held: bool | None = None
     speed_ratio: float | None = None
     balances: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Planetary(Part, variables=VARIABLES["planetary"]):
+    """A planetary set: a short form of bodies, its planets, and of their meshes with sun and ring, in place of which it stands.."""
+
+    name: str | None = None
+    sun: str | None = None
+    ring: str | None = None
+    carrier: str | None = None
+    teeth: Series | None = None
+    planets: int | None = None
+    angles: Series | None = None
+    driving: Literal["sun", "ring"] | None = None
+    normal_module: float | None = None
+    pressure_angle: float | None = None
+    helix_angle: float | None = None
+    face_width: float | None = None
+    profile_shift: Series | None = None
+    centre_distance: float | None = None
+    tip_diameter: Series | None = None
+    dedendum: float | None = None
+    planet_inertia: float | None = None
+    planet_mass: float | None = None
+    planet_bore: float | None = None
+    density: float | None = None
+    backlash: Series | None = None
+    half_backlash: Series | None = None
+    stiffness: Series | None = None
+    damping_ratio: Series | None = None
+    damping: Series | None = None
+    loss_factor: Series | None = None
+    damping_acts: Literal["always", "contact"] | None = None
+    contact_ratio: Series | None = None
+    stiffness_harmonics: int | None = None
+    sun_stiffness_cos: Series | None = None
+    sun_stiffness_sin: Series | None = None
+    ring_stiffness_cos: Series | None = None
+    ring_stiffness_sin: Series | None = None
+    sun_error_cos: Series | None = None
+    sun_error_sin: Series | None = None
+    ring_error_cos: Series | None = None
+    ring_error_sin: Series | None = None
+    ring_phase: float | None = None
+    order: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -248,6 +337,7 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     """A gear pair."""
 
     between: Sequence[str] | None = None
+    name: str | None = None
     carrier: str | None = None
     teeth: Series | None = None
     normal_module: float | None = None
@@ -301,6 +391,7 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
     modal_damping: Series | None = None
     speed_of: str | None = None
     bodies: Sequence[Body] = ()
+    planetaries: Sequence[Planetary] = ()
     shafts: Sequence[Shaft] = ()
     meshes: Sequence[Mesh] = ()
 
@@ -308,6 +399,7 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
 #: Groups that are parts of the train: the keyword of their list, and their class.
 PARTS: dict[str, tuple[str, type[Part]]] = {
     "body": ("bodies", Body),
+    "planetary": ("planetaries", Planetary),
     "shaft": ("shafts", Shaft),
     "mesh": ("meshes", Mesh),
 }

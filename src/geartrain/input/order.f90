@@ -11,8 +11,8 @@ module geartrain_input_order
 
 contains
 
-   !> Checks that &train comes first, then &shaft and &mesh by turns (with &body all three in any order), then the analyses and
-   !> &output, and that no other group is given twice.
+   !> Checks that &train comes first, then &shaft and &mesh by turns (with &body all, and &planetary, in any order), then the
+   !> analyses and &output, and that no other group is given twice.
    subroutine check_order(groups, problems)
       !> Groups of the file.
       type(group_type), intent(in) :: groups(:)
@@ -24,7 +24,7 @@ contains
       integer :: i, j, first(size(known))
       logical :: chain
 
-      chain = count(groups_named(groups, 'body')) == 0
+      chain = count(groups_named(groups, 'body')) + count(groups_named(groups, 'planetary')) == 0
       last = ''
       after = ''
       first = 0
@@ -38,7 +38,7 @@ contains
             end if
             if (first(j) == 0) first(j) = group%line
             select case (group%name)
-            case ('body', 'shaft', 'mesh')
+            case ('body', 'planetary', 'shaft', 'mesh')
                call check_turn(group, chain, last, after, problems)
                last = group%name
             case default

@@ -8,11 +8,14 @@ module geartrain_input_reader
    use geartrain_base_regular_file, only: is_regular_file
    use geartrain_input_assigner, only: assigner_type
    use geartrain_input_check, only: check_analyses
+   use geartrain_input_expansion, only: name_sets
    use geartrain_input_order, only: check_order
    use geartrain_input_scanner, only: group_type, scan_text
    use geartrain_input_table, only: is_variable, list_variables, row_type, take_keyword, unknown_variable
    use geartrain_input_variables, only: groups, visit_output
    use geartrain_model_check, only: check_consistency
+   use geartrain_model_planetary_expansion, only: expand_sets, expansion_type
+   use geartrain_model_planetary_variables, only: visit_planetary
    use geartrain_model_variables, only: visit_body, visit_mesh, visit_shaft, visit_train
    implicit none (type, external)
    private
@@ -48,6 +51,7 @@ contains
       type(assigner_type) :: reader
       type(case_type) :: found
       type(row_type), allocatable :: rows(:)
+      type(expansion_type) :: expansion
       integer :: i
       logical :: in_order
 
@@ -64,10 +68,12 @@ contains
       end do
       call read_groups(found, reader)
       ! Groups that are not those of a train are not looked at together.
-      if (in_order) then
+      if (in_order) call expand_sets(found%train, reader, expansion)
+      if (in_order .and. .not. expansion%failed) then
          call check_consistency(found%train, reader)
          ! The text of a call from Python has no name. Such a call may have a seed, and checks the settings with it.
          call check_analyses(found, name == '', reader)
+         call name_sets(expansion, reader%problems)
       end if
       call reader%locate()
       call reader%problems%raise(name, error)
@@ -114,16 +120,20 @@ contains
 
       allocate (case%train%shafts(reader%count_of('shaft')), case%train%meshes(reader%count_of('mesh')))
       if (reader%count_of('body') > 0) allocate (case%train%bodies(reader%count_of('body')))
+      if (reader%count_of('planetary') > 0) allocate (case%train%planetaries(reader%count_of('planetary')))
       case%output_file = ''
       case%train%title = ''
       do i = 1, size(reader%groups)
          associate (n => reader%groups(i)%index)
-            if (n > 1 .and. .not. any(reader%groups(i)%name == ['body ', 'shaft', 'mesh '])) cycle
+            if (n > 1 .and. .not. any(reader%groups(i)%name == [character(9) :: 'body', 'shaft', 'mesh', 'planetary'])) &
+               cycle
             select case (reader%groups(i)%name)
             case ('train')
                call visit_train(case%train, reader)
             case ('body')
                call visit_body(case%train%bodies(n), n, reader)
+            case ('planetary')
+               call visit_planetary(case%train%planetaries(n), n, reader)
             case ('shaft')
                call visit_shaft(case%train%shafts(n), n, reader)
             case ('mesh')

@@ -53,7 +53,8 @@ contains
       class(analysis_type), allocatable :: analysis
       integer :: i
 
-      allocate (collector%rows(64), case%train%bodies(1), case%train%shafts(1), case%train%meshes(1))
+      allocate (collector%rows(64), case%train%bodies(1), case%train%planetaries(1), case%train%shafts(1), &
+                case%train%meshes(1))
       do i = 1, size(analyses)
          call find_analysis(i, case, none, analysis, ask=.true.)
       end do

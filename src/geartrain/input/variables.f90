@@ -12,6 +12,8 @@ module geartrain_input_variables
       group_row_type('train', 'The train as a whole: one group, first in the file.'), &
       group_row_type('body', 'A body that turns as one: a gear, a rotor. A chain has none; in other trains &shaft and &mesh join &
          &bodies by name, in any order.'), &
+      group_row_type('planetary', 'A planetary set: a short form of bodies, its planets, and of their meshes with sun and ring, &
+         &in place of which it stands.'), &
       group_row_type('shaft', 'A shaft. A chain lists &shaft and &mesh in turn from motor to load: shaft, mesh, ..., mesh, &
          &shaft.'), &
       group_row_type('mesh', 'A gear pair. In a chain each &mesh stands between two &shaft.'), &

@@ -13,6 +13,9 @@ module geartrain_model_body
       character(:), allocatable :: name
       !> Polar moment of inertia [kg m^2]; 0 is allowed where a rigid shaft joins it with others; negative: by the drawing.
       real(dp) :: inertia = -1
+      !> Inertia [kg m^2] that adds to `inertia` or to that of the drawing: of masses that the body carries, as a carrier its
+      !> planets.
+      real(dp) :: added_inertia = 0
       !> From the drawing: discs whose inertias are added, diameters and widths [m] and densities [kg/m^3]; one bore or density
       !> holds for all discs.
       real(dp), allocatable :: outer_diameter(:), bore(:), width(:), density(:)

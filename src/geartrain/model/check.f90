@@ -46,6 +46,10 @@ contains
 
       if (.not. tells_nan()) call checker%problems%add('geartrain was compiled with -Ofast, -ffast-math or -ffinite-math-only, &
          &and cannot tell NaN from numbers: its results would be worth nothing; compile it without', 'train', 1, names_group=.true.)
+      if (allocated(train%planetaries)) then
+         call checker%problems%add('is in short form: expand it first, by expand_planetaries', 'planetary', 1)
+         return
+      end if
       call check_drawing(train, checker)
       call plain_train(train, plain)
       shafts = 0

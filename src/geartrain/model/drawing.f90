@@ -315,7 +315,8 @@ contains
       end associate
    end function drawn_inertia
 
-   !> Sets the inertias that are not given: of a body by its discs, else by its gears; of a gear in a chain by its own disc.
+   !> Sets the inertias that are not given: of a body by its discs, else by its gears, with what it carries; of a
+   !> gear in a chain by its own disc.
    pure subroutine put_inertias(train, plain)
       type(train_type), intent(in) :: train
       type(train_type), intent(inout) :: plain
@@ -331,7 +332,6 @@ contains
          end do
          return
       end if
-      if (.not. any(train%bodies%inertia < 0)) return
       call find_ends(train, shaft_ends, mesh_ends)
       do i = 1, size(train%bodies)
          if (.not. train%bodies(i)%inertia < 0) cycle
@@ -344,6 +344,10 @@ contains
             end associate
          end if
       end do
+      where (.not. plain%bodies%inertia < 0)
+         plain%bodies%inertia = plain%bodies%inertia + plain%bodies%added_inertia
+         plain%bodies%added_inertia = 0
+      end where
    end subroutine put_inertias
 
    !> The gears on a body as discs: pitch diameter, bore, width [m] and density [kg/m^3], (4, gear). A gear of a body in two meshes

@@ -13,13 +13,16 @@ module geartrain_model_explain
    use geartrain_model_drawing_warnings, only: find_warnings
    use geartrain_model_error_phase, only: lacks_phase
    use geartrain_model_explain_damping, only: damping_explanation_type
+   use geartrain_model_explain_planetary, only: explain_set
    use geartrain_model_frequency_unit, only: speed_per_lambda
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, pair_geometry_type, pair_stiffness_type
    use geartrain_model_kinematics, only: all_toothed, find_kinematics, greatest_divisor, kinematics_type
    use geartrain_model_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_model_mesh, only: has_table, is_given, mesh_type
+   use geartrain_model_planetary_sets, only: find_sets, planetary_set_type
    use geartrain_model_system, only: build_system, system_type
    use geartrain_model_train, only: train_type
+   use geartrain_model_turning, only: find_turning, turning_type
    implicit none (type, external)
    private
    public :: explain_train, explanation_text, speed_text
@@ -38,13 +41,15 @@ module geartrain_model_explain
 
 contains
 
-   !> Makes groups of fields: 'train', the name of each body, 'shaft 1', ..., 'mesh 1', ...
+   !> Makes groups of fields: 'train', the name of each body, 'shaft 1', ..., 'mesh 1', ..., the name of each planetary set
    subroutine explain_train(train, fields)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
       !> Gets the groups.
       class(fields_type), intent(inout) :: fields
       type(context_type) :: context
+      type(planetary_set_type), allocatable :: sets(:)
+      type(turning_type) :: turning
       integer :: i
 
       call prepare(train, context)
@@ -60,6 +65,12 @@ contains
       end do
       do i = 1, size(train%meshes)
          call explain_mesh(context, i, fields)
+      end do
+      if (.not. any(train%meshes%carrier /= '')) return
+      call find_sets(context%plain, sets)
+      call find_turning(train, turning)
+      do i = 1, size(sets)
+         call explain_set(train, sets(i), turning, trim(train%bodies(max(1, turning%reference))%name), fields)
       end do
    end subroutine explain_train
 
@@ -160,8 +171,9 @@ contains
       class(fields_type), intent(inout) :: fields
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       character(:), allocatable :: words
-      real(dp) :: turns
+      real(dp) :: turns, added
 
+      added = context%given%bodies(i)%added_inertia
       associate (body => context%given%bodies(i), k => context%kinematics)
          if (.not. fields%enter(body%name, 'body', .true.)) return
          if (body%held) return
@@ -174,7 +186,11 @@ contains
                        integer_text(size(gears_of(context%given, mesh_ends, i), 2))//'; a gear in several meshes counts once'
             end if
          end if
+         if (body%added_inertia > 0) words = words//', and added_inertia'
          call carry(fields, field_type('inertia', '', 'kg m^2', words), context%plain%bodies(i)%inertia)
+         if (body%added_inertia > 0) &
+            call carry(fields, field_type('added_inertia', '', 'kg m^2', 'of masses that the body carries: of planets the number &
+                                          &times the mass times the square of the centre distance'), added)
          if (.not. context%toothed) return
          if (.not. k%known) return
          turns = abs(k%turning%speed(i))

@@ -6,7 +6,8 @@ module geartrain_model_gear_pair
    use geartrain_base_kinds, only: dp, pi
    implicit none (type, external)
    private
-   public :: gear_pair_type, pair_geometry_type, pair_stiffness_type, find_geometry, find_stiffness, light_load, rectangular_wave
+   public :: gear_pair_type, pair_geometry_type, pair_stiffness_type, find_geometry, find_stiffness, involute, light_load, &
+      rectangular_wave
 
    !> What the drawing says.
    type :: gear_pair_type

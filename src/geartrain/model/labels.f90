@@ -1,5 +1,5 @@
 !> What results call bodies by, and shafts and meshes: by the bodies that they join, 'pinion - wheel', or in a chain 'shaft 1',
-!> 'mesh 1'.
+!> 'mesh 1'. A mesh may have a name of its own.
 module geartrain_model_labels
    use geartrain_model_bodies, only: body_count
    use geartrain_model_body, only: name_length
@@ -50,7 +50,7 @@ contains
       end do
    end function held_labels
 
-   !> Labels of the meshes, the driving body first; no two are equal, (mesh).
+   !> Labels of the meshes, their names or the driving body first; no two are equal, (mesh).
    pure function mesh_labels(train) result(labels)
       !> A train that is in order.
       type(train_type), intent(in) :: train
@@ -58,7 +58,7 @@ contains
       integer :: i
 
       do i = 1, size(labels)
-         call find_label('mesh', train%meshes(i)%between, labels, i)
+         call find_label('mesh', train%meshes(i)%between, train%meshes(i)%name, labels, i)
       end do
    end function mesh_labels
 
@@ -70,14 +70,16 @@ contains
       integer :: i
 
       do i = 1, size(labels)
-         call find_label('shaft', train%shafts(i)%between, labels, i)
+         call find_label('shaft', train%shafts(i)%between, '', labels, i)
       end do
    end function shaft_labels
 
    !> Sets label number i; a second mesh between the bodies of an earlier one is 'pinion - wheel (2)'.
-   pure subroutine find_label(kind, between, labels, i)
+   pure subroutine find_label(kind, between, name, labels, i)
       !> 'shaft' or 'mesh'; names of the two bodies, blank in a chain.
       character(*), intent(in) :: kind, between(2)
+      !> Name of its own, blank: none.
+      character(*), intent(in) :: name
       !> Those before number i are set.
       character(label_length), intent(inout) :: labels(:)
       integer, intent(in) :: i
@@ -86,6 +88,7 @@ contains
 
       names = trim(between(1))//' - '//between(2)
       if (between(1) == '') write (names, '(2a, i0)') kind, ' ', i
+      if (name /= '') names = name
       labels(i) = names
       n = 1
       do while (any(labels(:i - 1) == labels(i)))

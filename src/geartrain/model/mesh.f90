@@ -13,6 +13,8 @@ module geartrain_model_mesh
    integer, parameter :: most_order = 1000000
 
    type :: mesh_type
+      !> Label in results; blank: by the names of the bodies.
+      character(name_length) :: name = ''
       !> Names of the bodies of the driving and the driven gear; blank in a chain.
       character(name_length) :: between(2) = ''
       !> Name of the body on which both gears ride; blank: their axes stand still.

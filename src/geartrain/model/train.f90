@@ -5,6 +5,7 @@ module geartrain_model_train
    use geartrain_base_kinds, only: dp
    use geartrain_model_body, only: body_type, name_length
    use geartrain_model_mesh, only: mesh_type
+   use geartrain_model_planetary, only: planetary_type
    use geartrain_model_shaft, only: shaft_type
    implicit none (type, external)
    private
@@ -32,6 +33,8 @@ module geartrain_model_train
       real(dp) :: speed_ratio = 0
       type(shaft_type), allocatable :: shafts(:)
       type(mesh_type), allocatable :: meshes(:)
+      !> Planetary sets in short form; not allocated once they are expanded (geartrain_model_planetary_expansion).
+      type(planetary_type), allocatable :: planetaries(:)
       !> When raised, ends work on this train even within a step; not a variable of a case.
       type(interrupt_type) :: interrupt
    end type train_type

@@ -6,6 +6,7 @@ module geartrain_model_variables
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_model_body, only: body_type
    use geartrain_model_mesh, only: mesh_type, most_order
+   use geartrain_model_planetary_variables, only: visit_planetary
    use geartrain_model_shaft, only: shaft_type
    use geartrain_model_train, only: train_type
    implicit none (type, external)
@@ -16,7 +17,7 @@ module geartrain_model_variables
 
 contains
 
-   !> Visits the train and its bodies, then shaft 1, mesh 1, shaft 2, ...
+   !> Visits the train, its bodies and planetary sets, then shaft 1, mesh 1, shaft 2, ...
    subroutine visit_model(train, visitor)
       !> The train; the visitor may change it.
       type(train_type), intent(inout) :: train
@@ -28,6 +29,11 @@ contains
       if (allocated(train%bodies)) then
          do i = 1, size(train%bodies)
             call visit_body(train%bodies(i), i, visitor)
+         end do
+      end if
+      if (allocated(train%planetaries)) then
+         do i = 1, size(train%planetaries)
+            call visit_planetary(train%planetaries(i), i, visitor)
          end do
       end if
       shafts = 0
@@ -95,6 +101,8 @@ contains
       call v%on_real(row('inertia', 'kg m^2', 'polar moment of inertia; 0 only where all its connections are rigid shafts. &
                          &Default: from outer_diameter, else of its gears as discs of their pitch diameters', &
                          least=zero), body%inertia, given)
+      call v%on_real(row('added_inertia', 'kg m^2', 'adds to the inertia, given or not: of masses that the body carries, as a &
+                         &carrier its planets', least=zero), body%added_inertia)
       call v%on_list(row('outer_diameter', 'm', 'diameters of discs; their inertias are added', above=zero), body%outer_diameter)
       call v%on_list(row('bore', 'm', 'bores of the discs; one value: for all; none: 0', least=zero), body%bore)
       call v%on_list(row('width', 'm', 'widths of the discs', above=zero), body%width)
@@ -169,6 +177,9 @@ contains
       call v%enter('mesh', index)
       call v%on_names(row('between', '', 'names of the bodies with the driving and the driven gear; none in a chain'), &
                       mesh%between)
+      word = trim(mesh%name)
+      call v%on_text(row('name', '', 'label of the mesh in results; none: by the names of the bodies'), word)
+      mesh%name = word
       word = trim(mesh%carrier)
       call v%on_text(row('carrier', '', 'name of the body on which both gears ride, the arm of a planetary stage; none: their axes &
                          &stand still'), word)

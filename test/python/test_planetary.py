@@ -1,0 +1,212 @@
+"""Planetary sets in short form: as the set written by hand, and phases by the geometry of the teeth."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import geartrain as gt
+
+BODIES = [
+    gt.Body(name="sun", inertia=8.2e-4, torque=600.0),
+    gt.Body(name="ring", held=True),
+    gt.Body(name="arm", inertia=0.085, balances=True),
+]
+COMMON = {"normal_module": 4e-3, "damping_ratio": 0.03}
+
+
+def short(teeth=(17, 22, 61), bodies=BODIES, **more):
+    given = {"planets": 3, "planet_inertia": 2.2e-3, "stiffness": (1e9, 1.2e9), "half_backlash": (4e-5, 5e-5), **COMMON, **more}
+    stage = gt.Planetary(name="stage 1", sun="sun", ring="ring", carrier="arm", teeth=teeth, **given)
+    with pytest.warns(gt.DrawingWarning) if teeth[0] <= 17 else _nothing():
+        return gt.Train(bodies=bodies, planetaries=[stage])
+
+
+class _nothing:
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        return None
+
+
+def by_hand(teeth, angles, lag, **more):
+    """The set with phases by the rule: z_s psi, and -z_r psi + lag."""
+    meshes = [
+        gt.Mesh(
+            between=("sun", f"planet {n}"),
+            carrier="arm",
+            teeth=teeth[:2],
+            stiffness=1e9,
+            half_backlash=4e-5,
+            phase=2 * np.pi * (teeth[0] * psi % 1),
+            **COMMON,
+            **more,
+        )
+        for n, psi in enumerate(angles)
+    ] + [
+        gt.Mesh(
+            between=(f"planet {n}", "ring"),
+            carrier="arm",
+            internal=True,
+            teeth=teeth[1:],
+            stiffness=1.2e9,
+            half_backlash=5e-5,
+            phase=2 * np.pi * ((lag - teeth[2] * psi) % 1),
+            **COMMON,
+            **more,
+        )
+        for n, psi in enumerate(angles)
+    ]
+    planets = [gt.Body(name=f"planet {n}", inertia=2.2e-3) for n in range(len(angles))]
+    return gt.Train(bodies=[*BODIES, *planets], meshes=meshes)
+
+
+def lag_by_drawing(train, driving="sun"):
+    """Lag of the ring mesh of planet 1 behind its sun mesh in cycles, from where flanks meet in the plane.
+
+    The sun turns counterclockwise round the origin, the planet clockwise round (a, 0); angles of the planet count clockwise.
+    """
+    planets = sum(body.name.startswith("stage 1 planet") for body in train.bodies)
+    sun, ring = (train.explain()[f"mesh {number}"] for number in (1, planets + 1))
+    own = (1, 0) if driving == "sun" else (0, 1)  # place of the planet in either mesh
+    a, z = sun["centre_distance"], train.meshes[0].teeth[own[0]]
+    shift = (train.meshes[0].profile_shift or (0.0, 0.0))[own[0]]
+    base, tip = sun["base_radius"][own[0]], sun["tip_diameter"][own[0]] / 2
+    centre, alpha = np.array([a, 0.0]), np.arccos(base / (sun["reference_diameter"][own[0]] / 2))
+
+    def half_thickness(radius):
+        def involute(angle):
+            return np.tan(angle) - angle
+
+        return (np.pi / 2 + 2 * shift * np.tan(np.deg2rad(20))) / z + involute(alpha) - involute(np.arccos(base / radius))
+
+    def middle(mesh, own, pitch_x, mirror, trailing):
+        """Angle of the planet in the middle of the contact of a pair: at the tips of both gears."""
+        angle = np.deg2rad(mesh["working_angle"])
+        direction = np.array([np.sin(angle), mirror * np.cos(angle)])
+        start = np.array([pitch_x, 0.0])
+        turned = []
+        for about, radius in ((centre, tip), (np.zeros(2), mesh["tip_diameter"][1 - own] / 2)):
+            # Where the line of action meets the tip circle, next to the pitch point.
+            away = start - about
+            half, rest = away @ direction, away @ away - radius**2
+            along = min(np.roots([1.0, 2 * half, rest]), key=abs)
+            point = start + along * direction - centre
+            psi = -np.arctan2(point[1], point[0])
+            turned.append(psi + (1 if trailing else -1) * half_thickness(np.hypot(*point)))
+        return np.mean(np.unwrap(turned)) * z / (2 * np.pi)
+
+    first = middle(
+        sun, own[0], a - base / np.cos(np.deg2rad(sun["working_angle"])), 1 if driving == "sun" else -1, driving == "sun"
+    )
+    second = middle(
+        ring, own[1], a + base / np.cos(np.deg2rad(ring["working_angle"])), -1 if driving == "sun" else 1, driving != "sun"
+    )
+    return (second - first) % 1
+
+
+@pytest.mark.parametrize(
+    ("teeth", "more"),
+    [
+        ((17, 22, 61), {}),
+        ((19, 21, 61), {"planets": 5}),
+        ((27, 36, 99), {"profile_shift": (0.3, 0.1, -0.5)}),
+        ((20, 31, 82), {"profile_shift": (0.2, -0.1, 0.0), "driving": "ring"}),
+        ((27, 36, 99), {"driving": "ring"}),
+    ],
+)
+def test_phases_follow_from_the_teeth(teeth, more):
+    train = short(teeth, **more)
+    planets = more.get("planets", 3)
+    phase = np.array([mesh.phase or 0.0 for mesh in train.meshes]) / (2 * np.pi)
+    psi = np.arange(planets) / planets
+    for found, expected in ((phase[:planets], teeth[0] * psi), (phase[planets:] - phase[planets], -teeth[2] * psi)):
+        assert np.abs(np.exp(2j * np.pi * found) - np.exp(2j * np.pi * expected)).max() < 1e-12
+    wanted = lag_by_drawing(train, more.get("driving", "sun"))
+    assert abs(np.exp(2j * np.pi * phase[planets]) - np.exp(2j * np.pi * wanted)) < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("teeth", "angles"), [((27, 36, 99), None), ((17, 22, 61), None), ((19, 21, 61), (0.0, 99.0, 189.0, 270.0))]
+)
+def test_short_form_is_the_set_by_hand(teeth, angles):
+    more = {} if angles is None else {"planets": None, "angles": angles}
+    train = short(teeth, **more, sun_error_cos=2e-6, ring_error_cos=2e-6)
+    psi = np.arange(3) / 3 if angles is None else np.array(angles) / 360
+    lag = train.meshes[len(psi)].phase / (2 * np.pi)
+    with pytest.warns(gt.DrawingWarning) if teeth[0] <= 17 else _nothing():
+        hand = by_hand(teeth, psi, lag, error_cos=2e-6)
+    assert np.abs(train.natural_frequencies() / hand.natural_frequencies() - 1).max() < 1e-12
+    settings = {"start": 9000.0, "stop": 9500.0, "harmonics": 6, "stability": False}
+    one, other = train.response(**settings), hand.response(**settings)
+    assert len(one.rms) == len(other.rms)
+    assert np.abs(one.rms - other.rms).max() < 1e-12 * other.rms.max()
+
+
+def test_python_expands_as_a_case_file_does():
+    train = short()
+    assert train.planetaries == ()
+    assert [body.name for body in train.bodies[3:]] == [f"stage 1 planet {n}" for n in (1, 2, 3)]
+    assert train.mesh_labels == tuple(f"stage 1 {kind} {n}" for kind in ("sun", "ring") for n in (1, 2, 3))
+    with pytest.warns(gt.DrawingWarning):
+        again = replace(train)
+    assert again == train
+    expected = [5149.07092, 6580.49593, 6580.49593, 11043.24781]
+    assert train.natural_frequencies(unit="Hz") == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("planets", "teeth", "phasing"),
+    [
+        (3, (27, 36, 99), "in phase"),
+        (3, (17, 22, 61), "sequential"),
+        (4, (22, 25, 72), "other"),
+        (4, (30, 26, 82), "counter-phase"),
+        (5, (19, 21, 61), "sequential"),
+    ],
+)
+def test_harmonics_that_drive_torsion(planets, teeth, phasing):
+    if (teeth[0] + teeth[2]) % planets:
+        with pytest.raises(gt.InputError, match="cannot be equally spaced"):
+            short(teeth, planets=planets)
+        return
+    told = short(teeth, planets=planets).explain()["stage 1"]
+    harmonics = np.arange(1, 2 * planets + 1)
+    assert told["sun_torsion"] == pytest.approx((harmonics * teeth[0] % planets == 0).astype(float), abs=1e-12)
+    assert told["ring_torsion"] == pytest.approx(told["sun_torsion"], abs=1e-12)
+    assert told["sun_phasing"].strip() == told["ring_phasing"].strip() == phasing
+    assert told["carrier_turns"] == pytest.approx(teeth[0] / (teeth[0] + teeth[2]), rel=1e-14)
+    assert told["mesh_frequency"] == pytest.approx(teeth[0] * teeth[2] / (teeth[0] + teeth[2]), rel=1e-14)
+
+
+def test_masses_of_planets_add_to_the_carrier():
+    told = short(planet_mass=1.5).explain()["arm"]
+    assert told["added_inertia"] == pytest.approx(3 * 1.5 * 0.078**2, rel=1e-12)
+    assert told["inertia"] == pytest.approx(0.085 + 3 * 1.5 * 0.078**2, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("more", "message"),
+    [
+        (
+            {"planets": 4},
+            r"planets = 4: cannot be equally spaced: \(z_sun \+ z_ring\)/planets = 78/4 .* angles = 0.0, 92.307692, 180,",
+        ),
+        (
+            {"teeth": (17, 22, 62)},
+            "do not fit on one axis: without backlash .* 0.078 m .*, 0.08 m .* a ring of 61 teeth",
+        ),
+        ({"teeth": (17, 22, 20)}, "teeth value 3 = 20: must be > 22, the teeth of a planet"),
+        ({"planets": 6}, "planets = 6: overlap: the tip diameter of 0.096 m .*, 0.078 m"),
+        ({"planets": None, "angles": (0.0, 120.0, 239.0)}, "angles value 3 = 239.0: cannot be assembled: .* the nearest is 240"),
+        ({"tip_diameter": (0.073, 0.09, 0.24)}, "sun meshes: teeth = 17, 22: must give a transverse contact ratio > 1"),
+        ({"stiffness": (1.0, 2.0, 3.0)}, "stiffness = 3 values: must be 2 values"),
+        ({"planets": None}, "lacks planets"),
+        ({"planet_inertia": None}, "lacks planet_inertia"),
+    ],
+)
+def test_wrong_sets_are_refused(more, message):
+    given = {"teeth": (17, 22, 61), "planets": 3, "planet_inertia": 2.2e-3, "stiffness": 1e9, **COMMON, **more}
+    with pytest.raises(gt.InputError, match=f"&planetary 1: .*{message}"):
+        gt.Train(bodies=BODIES, planetaries=[gt.Planetary(name="stage 1", sun="sun", ring="ring", carrier="arm", **given)])
