@@ -112,13 +112,19 @@ class Model:
 
     def _find_elements(self):
         self.elements = []
+        self.still = self.held.copy()  # held, or on a rigid shaft with a held body
+        for _ in self.bodies:
+            for shaft in self.train.shafts or ():
+                ends = [self.number[name] for name in shaft.between]
+                if shaft.rigid and self.still[ends].any():
+                    self.still[ends] = True
         for shaft in self.train.shafts or ():
             if shaft.rigid:
                 continue
             one, other = (self.number[name] for name in shaft.between)
             row = np.zeros(len(self.bodies))
             row[one], row[other] = self.sense[one], -self.sense[one]
-            flexibility = sum(0.0 if self.held[body] else 1.0 / self.inertia[body] for body in (one, other))
+            flexibility = sum(0.0 if self.still[body] else 1.0 / self.inertia[body] for body in (one, other))
             damping = shaft.damping
             if damping is None:
                 damping = 2.0 * (shaft.damping_ratio or 0.0) * np.sqrt(shaft.stiffness / flexibility)
@@ -132,7 +138,7 @@ class Model:
             row = np.sign(lead) * row
             damping = mesh.damping
             if damping is None:
-                flexibility = sum(0.0 if self.held[body] else radius**2 / self.inertia[body] for body, radius in zip(
+                flexibility = sum(0.0 if self.still[body] else radius**2 / self.inertia[body] for body, radius in zip(
                     (self.number[name] for name in mesh.between), (mesh.driving_radius, mesh.driven_radius)))
                 damping = 2.0 * (mesh.damping_ratio or 0.0) * np.sqrt(mesh.stiffness / flexibility)
             self.elements.append(Element(row, mesh.stiffness, damping, mesh, mesh.half_backlash or 0.0))
@@ -165,14 +171,19 @@ class Model:
 
     def _find_torques(self):
         """Mean torques in one sense, with those of the balancing bodies, which do no work together with the others."""
-        self.mean_torque = self.sense * np.array([body.torque or 0.0 for body in self.bodies])
-        balancing = [number for number, body in enumerate(self.bodies) if body.balances]
-        if balancing:
-            work = self.rigid.T @ self.mean_torque
-            self.mean_torque[balancing] = np.linalg.solve(self.rigid[balancing].T, -work)
+        self.given_torque = self.sense * np.array([body.torque or 0.0 for body in self.bodies])
+        self.mean_torque = self.balanced(self.given_torque)
         orders = max([1, *(len(listed(values)) for body in self.bodies for values in (body.torque_cos, body.torque_sin))])
         self.torque_cos = np.array([sense * listed(body.torque_cos, orders) for sense, body in zip(self.sense, self.bodies)])
         self.torque_sin = np.array([sense * listed(body.torque_sin, orders) for sense, body in zip(self.sense, self.bodies)])
+
+    def balanced(self, torque):
+        """Torques with those of the balancing bodies such that they do no work on a motion of the whole train."""
+        balancing = [number for number, body in enumerate(self.bodies) if body.balances]
+        torque = torque.copy()
+        if balancing:
+            torque[balancing] += np.linalg.solve(self.rigid[balancing].T, -(self.rigid.T @ torque))
+        return torque
 
     # Excitation
 
@@ -216,7 +227,8 @@ class Flow:
     """Motions of a model at a frequency Lambda, by integration from one contact event to the next, with their tangents."""
 
     def __init__(self, model, frequency):
-        self.model, self.frequency = model, frequency
+        self.model, self.frequency, self.rise = model, frequency, 0.0
+        self.mean_torque = model.mean_torque
         elements = model.elements
         self.stiffness = np.array([element.stiffness for element in elements])
         self.always = np.array([element.source is None or element.source.damping_acts != "contact" for element in elements])
@@ -233,6 +245,18 @@ class Flow:
         # State in displacements near 1.
         self.scale = 1.0 / max(np.abs(model.shapes).max(), 1e-300)
 
+    def accelerate(self, rise, acceleration):
+        """The flow of a run-up from time 0 on: rise of Lambda per unit of time, and mean accelerations of the bodies [rad/s^2]."""
+        flow = Flow(self.model, self.frequency)
+        flow.rise, flow.mean_torque = rise, self.model.balanced(self.model.given_torque - self.model.inertia * acceleration)
+        return flow
+
+    def phase(self, time):
+        return (self.frequency + self.rise * time / 2) * time
+
+    def speed(self, time):
+        return self.frequency + self.rise * time
+
     def region(self, displacement):
         return np.where(self.gapped, np.where(displacement > self.wall, 1, np.where(displacement < -self.wall, -1, 0)), 1)
 
@@ -244,14 +268,14 @@ class Flow:
         return rate + self.error_rate(time)
 
     def error(self, time):
-        return (self.model.error @ self.model.wave(self.frequency * time)).real
+        return (self.model.error @ self.model.wave(self.phase(time))).real
 
     def error_rate(self, time):
-        return (self.model.error @ (1j * self.frequency * self.model.orders * self.model.wave(self.frequency * time))).real
+        return (self.model.error @ (1j * self.speed(time) * self.model.orders * self.model.wave(self.phase(time)))).real
 
     def force(self, time, state, region):
         """Forces of the elements over characteristic length, N/m."""
-        slope, offset, damping = self.law(self.model.wave(self.frequency * time), region)
+        slope, offset, damping = self.law(self.model.wave(self.phase(time)), region)
         return slope * (self.displacement(time, state) - offset) + damping * self.rate(time, state)
 
     def law(self, wave, region):
@@ -265,15 +289,15 @@ class Flow:
     def derivative(self, time, columns, region):
         """Derivative of a state (first column) and its tangents."""
         model, n = self.model, self.model.count
-        wave = model.wave(self.frequency * time)
+        wave = model.wave(self.phase(time))
         slope, offset, damping = self.law(wave, region)
         displacement = model.shapes @ columns[:n] * self.scale
         rate = self.rate_shapes @ columns[n:] * self.scale
         displacement[:, 0] += (model.error @ wave).real - offset
-        rate[:, 0] += (model.error @ (1j * self.frequency * model.orders * wave)).real
+        rate[:, 0] += (model.error @ (1j * self.speed(time) * model.orders * wave)).real
         accelerations = self.by_force @ (slope[:, None] * displacement + damping[:, None] * rate) / self.scale
         accelerations += self.to_ground @ columns[n:] + self.spring @ columns[:n]
-        accelerations[:, 0] += self.by_torque @ (model.mean_torque + (model.torques @ wave).real) / self.scale
+        accelerations[:, 0] += self.by_torque @ (self.mean_torque + (model.torques @ wave).real) / self.scale
         return np.vstack([columns[n : 2 * n], accelerations])
 
     def run(self, state, begin, end, tangents=True, observe=None):
@@ -366,7 +390,6 @@ class Flow:
         """State at time 0 of a periodic motion of so many cycles, from its forces [N] of a period, (samples, elements), and the mean
         displacements of the elements in characteristic lengths, (elements): the start of shooting."""
         model = self.model
-        moving = np.flatnonzero(~model.held)
         count = min(len(force) // 2, 400 * cycles)
         waves = np.fft.rfft(force, axis=0)[: count + 1] / len(force)
         rotation, rate = np.zeros((2, len(model.bodies)))
@@ -383,7 +406,7 @@ class Flow:
             rows = np.vstack([rows, np.diag(model.support) / model.support.max()])
             right = np.concatenate([right, (model.mean_torque - model.rows.T @ waves[0].real) / model.support.max()])
             right[len(displacement):][model.support == 0] = 0.0
-        rotation[moving] += np.linalg.lstsq(rows[:, moving], right, rcond=1e-10)[0]
+        rotation += model.reduce @ np.linalg.lstsq(rows @ model.reduce, right, rcond=1e-10)[0]
         momentum = model.inertia[:, None] * model.fixed
         return np.concatenate([momentum[:, : model.count].T @ rotation, momentum.T @ rate]) / self.scale
 
@@ -475,7 +498,7 @@ def linear_response(model, frequency, orders):
     stiffness, damping = (np.array([getattr(element, name) for element in model.elements]) for name in ("stiffness", "damping"))
     amplitudes = np.zeros((len(model.elements), orders), complex)
     mean = np.linalg.lstsq(rows.T @ (stiffness[:, None] * rows) + np.diag(model.support[free]), model.mean_torque[free], rcond=1e-12)[0]
-    for order in range(1, orders + 1):
+    for order in range(1, min(orders, len(model.orders)) + 1):
         omega = order * frequency * model.omega
         errors, torque = model.error[:, order - 1] * model.length, model.torques[:, order - 1]
         dynamic = stiffness + 1j * omega * damping

@@ -125,3 +125,110 @@ def power_split(ratio=-0.4, **changes):
               "ring": {"balances": True, "speed_ratio": ratio}}
     values = {"held": None, "first": "", "last": "", "speed_of": "arm", "bodies": bodies, **changes}
     return planetary(**values)
+
+
+def random_rows(rng, backlash=False):
+    """A train of random rows: speeds of one sense are drawn first, and radii follow from them, so that no loop locks."""
+    while True:
+        train = _random_rows(rng, backlash)
+        if train is not None:
+            return train
+
+
+def _random_rows(rng, backlash):
+    count = int(rng.integers(3, 7))
+    names = [f"body {number + 1}" for number in range(count)]
+    speed = rng.uniform(0.3, 1.5, count) * rng.choice([-1.0, 1.0], count)
+    held = np.zeros(count, bool)
+    if rng.random() < 0.4:
+        held[rng.integers(count)] = True
+    speed[held] = 0.0
+    wanted = int(rng.choice([1, 1, 2]))
+    shafts, meshes, rows, joined = [], [], list(np.eye(count)[held]), np.arange(count)
+    for _ in range(40):
+        ends = rng.choice(count, 2, replace=False)
+        row = np.zeros(count)
+        if rng.random() < 0.2 and not held[ends].any():
+            # The second body takes the speed of the first while nothing is joined with it.
+            if any(abs(row[ends[1]]) > 0 for row in rows):
+                continue
+            speed[ends[1]] = speed[ends[0]]
+            row[ends] = 1.0, -1.0
+            shafts.append(gt.Shaft(between=[names[end] for end in ends], stiffness=rng.uniform(0.5e5, 4e5), damping_ratio=0.03))
+            members = ends
+        else:
+            carrier = None if rng.random() < 0.35 else int(rng.integers(count))
+            if carrier in ends or (carrier is None and held[ends].any()):
+                continue
+            relative = speed[ends] - (0.0 if carrier is None else speed[carrier])
+            if np.abs(relative).min() < 0.1 or not 0.25 < abs(relative[1] / relative[0]) < 4.0 or abs(relative[1] / relative[0] - 1) < 0.05:
+                continue
+            internal = relative[1] / relative[0] > 0
+            first = rng.uniform(0.03, 0.08)
+            radii = first, first * abs(relative[0] / relative[1])
+            row[ends] = radii[0], -radii[1] if internal else radii[1]
+            if carrier is not None:
+                row[carrier] = -row.sum()
+            meshes.append((ends, carrier, dict(
+                driving_radius=radii[0], driven_radius=radii[1], internal=internal, stiffness=rng.uniform(2e8, 1e9),
+                damping_ratio=rng.uniform(0.03, 0.08), error_cos=[rng.uniform(0.0, 2e-6)], error_sin=[rng.uniform(-1e-6, 1e-6)],
+                phase=rng.uniform(0, 2 * np.pi), order=int(rng.choice([1, 1, 2])))))
+            members = ends if carrier is None else (*ends, carrier)
+        rows.append(row / np.abs(row).max())
+        for member in members:
+            joined[joined == joined[member]] = joined[members[0]]
+        if count - np.linalg.matrix_rank(rows, tol=1e-9) <= wanted and len(set(joined)) == 1 and rng.random() < 0.7:
+            break
+    if not meshes or len(set(joined)) > 1 or (np.abs(rows).max(axis=0) == 0).any():
+        return None
+    _, values, vectors = np.linalg.svd(np.array(rows))
+    motions = vectors[int((values > 1e-9 * values[0]).sum()):].T
+    if not motions.shape[1] or motions.shape[1] > 2:
+        return None
+    more = [{} for _ in names]
+    if rng.random() < 0.25:  # a spring to ground for each motion: the train cannot turn
+        for body in rng.choice(np.flatnonzero(~held), motions.shape[1], replace=False):
+            more[body]["stiffness_to_ground"] = rng.uniform(1e5, 1e6)
+            rows.append(np.eye(count)[body])
+        motions = motions[:, :0]
+        if np.linalg.matrix_rank(rows, tol=1e-9) < count:
+            return None
+    elif np.abs(motions).max(axis=1)[~held].min() < 1e-6:
+        return None
+    balancing = _balance(rng, motions, speed, more, ~held)
+    if balancing is None:
+        return None
+    for body in np.flatnonzero(~held):
+        if body not in balancing:
+            more[body]["torque"] = rng.uniform(-150.0, 150.0)
+        if rng.random() < 0.3:
+            more[body]["torque_cos"], more[body]["torque_sin"] = [rng.uniform(-30.0, 30.0)], [0.0, rng.uniform(-20.0, 20.0)]
+        if rng.random() < 0.25:
+            more[body]["damping_to_ground"] = rng.uniform(0.5, 5.0)
+    bodies = [gt.Body(name=name, held=bool(still), inertia=None if still else rng.uniform(1e-3, 2e-2), **values)
+              for name, still, values in zip(names, held, more)]
+    law = {}
+    if backlash:
+        law = {"half_backlash": rng.uniform(5e-6, 20e-6), "stiffness_cos": [rng.uniform(0.1, 0.3)], "stiffness_sin": [0.0, 0.05]}
+    return train_of(bodies, [
+        gt.Mesh(between=[names[end] for end in ends], carrier=None if carrier is None else names[carrier], **values, **law)
+        for ends, carrier, values in meshes], shafts)
+
+
+def _balance(rng, motions, speed, more, moving):
+    """Chooses the balancing bodies and, of two motions, the body whose speed is given; None where none will do."""
+    if not motions.shape[1]:
+        return []
+    bodies = np.flatnonzero(moving)
+    balancing = list(rng.choice(bodies, motions.shape[1], replace=False))
+    if np.linalg.svd(motions[balancing], compute_uv=False)[-1] < 0.05:
+        return None
+    if motions.shape[1] == 2:
+        given = int(rng.choice(bodies[1:]))
+        ratio = speed[given] / speed[bodies[0]]
+        if abs(np.linalg.norm(motions[given] - ratio * motions[bodies[0]])) < 0.05:
+            return None
+        more[given]["speed_ratio"] = ratio
+    for body in balancing:
+        more[body]["balances"] = True
+    return balancing
