@@ -58,7 +58,7 @@ class Model:
     # Speeds and senses
 
     def _willis(self, mesh):
-        """Row of speeds r_a (n_a - n_c) + q r_b (n_b - n_c), q = -1 of an internal pair, and the numbers of a, b and c (or None)."""
+        """Row of speeds r_a (n_a - n_c) + q r_b (n_b - n_c), q = -1 of an internal pair; numbers of a and c (or None)."""
         one, other = (self.number[name] for name in mesh.between)
         row = np.zeros(len(self.bodies))
         driven = (-1.0 if mesh.internal else 1.0) * mesh.driven_radius
@@ -162,7 +162,8 @@ class Model:
         assert (np.abs(squares[:motions]) < 1e-7 * squares[-1]).all() and (squares[motions:] > 1e-9 * squares[-1]).all()
         self.frequencies = np.sqrt(squares[motions:])
         self.modes, self.free = reduce @ modes[:, motions:], reduce @ modes[:, :motions]
-        if not np.abs(self.free.T @ np.diag(self.drag)).max(initial=0.0) > 1e-9 * np.abs(self.free).max(initial=0.0) * self.drag.max():
+        least = 1e-9 * np.abs(self.free).max(initial=0.0) * self.drag.max()
+        if not np.abs(self.free.T @ np.diag(self.drag)).max(initial=0.0) > least:
             self.free = self.free[:, :0]  # without drag no force depends on the motion of the whole train
         self.count, self.more = self.modes.shape[1], self.free.shape[1]
         self.rows = rows
@@ -387,8 +388,8 @@ class Flow:
         return np.concatenate([np.linalg.solve(matrix, -load) / self.scale, np.zeros(self.size - n)])
 
     def state_of(self, force, displacement, cycles=1):
-        """State at time 0 of a periodic motion of so many cycles, from its forces [N] of a period, (samples, elements), and the mean
-        displacements of the elements in characteristic lengths, (elements): the start of shooting."""
+        """State at time 0 of a periodic motion of so many cycles, from its forces [N] of a period, (samples, elements), and the
+        mean displacements of the elements in characteristic lengths, (elements): the start of shooting."""
         model = self.model
         count = min(len(force) // 2, 400 * cycles)
         waves = np.fft.rfft(force, axis=0)[: count + 1] / len(force)
@@ -497,7 +498,8 @@ def linear_response(model, frequency, orders):
     rows = model.rows[:, free]
     stiffness, damping = (np.array([getattr(element, name) for element in model.elements]) for name in ("stiffness", "damping"))
     amplitudes = np.zeros((len(model.elements), orders), complex)
-    mean = np.linalg.lstsq(rows.T @ (stiffness[:, None] * rows) + np.diag(model.support[free]), model.mean_torque[free], rcond=1e-12)[0]
+    matrix = rows.T @ (stiffness[:, None] * rows) + np.diag(model.support[free])
+    mean = np.linalg.lstsq(matrix, model.mean_torque[free], rcond=1e-12)[0]
     for order in range(1, min(orders, len(model.orders)) + 1):
         omega = order * frequency * model.omega
         errors, torque = model.error[:, order - 1] * model.length, model.torques[:, order - 1]

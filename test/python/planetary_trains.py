@@ -90,22 +90,26 @@ def ravigneaux(gear=1, torque=250.0, **mesh):
         for name, value in inertia.items()
     ]
     groups = ([], [], [], [])
-    values = {"stiffness": 0.9e9, "damping_ratio": 0.04, "half_backlash": 20e-6, "stiffness_cos": [0.25], "error_cos": [1e-6], **mesh}
+    values = {"stiffness": 0.9e9, "damping_ratio": 0.04, "half_backlash": 20e-6, "stiffness_cos": [0.25],
+              "error_cos": [1e-6], **mesh}
     for number in range(2):
         names = f"short {number + 1}", f"long {number + 1}"
         bodies += [gt.Body(name=names[0], inertia=1.3e-3), gt.Body(name=names[1], inertia=1.8e-3)]
         for group, ends, teeth, stiffness, phase in (
-            (groups[0], ("small sun", names[0]), (small, short), 0.9e9, 0.0), (groups[1], names, (short, long), 0.8e9, 1.1),
-            (groups[2], ("large sun", names[1]), (large, long), 1.0e9, 2.3), (groups[3], (names[1], "ring"), (long, ring), 1.1e9, 0.4),
+            (groups[0], ("small sun", names[0]), (small, short), 0.9e9, 0.0),
+            (groups[1], names, (short, long), 0.8e9, 1.1),
+            (groups[2], ("large sun", names[1]), (large, long), 1.0e9, 2.3),
+            (groups[3], (names[1], "ring"), (long, ring), 1.1e9, 0.4),
         ):
             own = {**values, "stiffness": stiffness, "phase": phase}
             group.append(mesh_of(*ends, teeth, 3e-3, carrier="arm", internal=ends[1] == "ring", **own))
-    return train_of(bodies, sum(groups, []))
+    return train_of(bodies, [mesh for group in groups for mesh in group])
 
 
 def two_stages(torque=150.0, **changes):
     """Two stages in series with ring gears held, a shaft between them, and wheels of unlike mesh frequencies."""
-    one, first = stage(3, name="a ", sun="sun a", ring="housing", carrier="arm a", sun_mesh=SUN_MESH, ring_mesh=RING_MESH, phases=True)
+    one, first = stage(3, name="a ", sun="sun a", ring="housing", carrier="arm a", phases=True,
+                       sun_mesh=SUN_MESH, ring_mesh=RING_MESH)
     other, second = stage(3, (21, 24, 69), name="b ", sun="sun b", ring="housing", carrier="arm b", phases=True,
                           sun_mesh={**SUN_MESH, "stiffness": 1.5e9, "order": 2, "half_backlash": 15e-6},
                           ring_mesh={**RING_MESH, "stiffness": 1.8e9, "order": 2, "half_backlash": 18e-6})
@@ -161,7 +165,10 @@ def _random_rows(rng, backlash):
             if carrier in ends or (carrier is None and held[ends].any()):
                 continue
             relative = speed[ends] - (0.0 if carrier is None else speed[carrier])
-            if np.abs(relative).min() < 0.1 or not 0.25 < abs(relative[1] / relative[0]) < 4.0 or abs(relative[1] / relative[0] - 1) < 0.05:
+            if np.abs(relative).min() < 0.1:
+                continue
+            ratio = relative[1] / relative[0]
+            if not 0.25 < abs(ratio) < 4.0 or abs(ratio - 1) < 0.05:
                 continue
             internal = relative[1] / relative[0] > 0
             first = rng.uniform(0.03, 0.08)
