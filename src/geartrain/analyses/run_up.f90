@@ -239,8 +239,8 @@ contains
       class(fields_type), intent(inout) :: fields
       logical, intent(in) :: summary
       real(dp), allocatable :: time(:)
-      character(*), parameter :: smallest = 'smallest torque in the window, also between samples', &
-         largest = 'largest torque in the window, also between samples'
+      character(*), parameter :: extreme = ' torque in the window, also between samples', smallest = 'smallest'//extreme, &
+         largest = 'largest'//extreme
       integer :: n
 
       associate (result => self%result)
@@ -278,18 +278,16 @@ contains
          call carry(fields, field('frequency', 'time', '1', about_frequency), result%frequency_ratio)
          call carry(fields, field('displacement', 'time mesh', '1', 'mesh displacement / characteristic_length'), &
                     result%displacement)
-         call carry(fields, field('mesh_force', 'time mesh', 'N', 'total mesh force'), &
-                                  result%mesh_force)
+         call carry(fields, field('mesh_force', 'time mesh', 'N', 'total mesh force'), result%mesh_force)
          call carry_torque(fields, field('shaft_torque', 'time shaft', 'N m', 'total torque of the shaft; NaN for a rigid shaft'), &
                            field('reaction_torque', 'time held', 'N m', 'torque by which a held body is held', &
                                  'where a body is held'), result%shaft_torque)
          call carry(fields, field('window_time', 'window', 's', 'middle of the window, a cycle of the slowest mesh'), &
-                                  result%window_time)
+                    result%window_time)
          call carry(fields, field('mesh_force_minimum', 'window mesh', 'N', &
                                   'smallest mesh force in the window, also between samples'), result%force_minimum)
-         call carry(fields, field('mesh_force_maximum', 'window mesh', 'N', 'largest mesh force in the window, also between &
-                                  &samples'), &
-                    result%force_maximum)
+         call carry(fields, field('mesh_force_maximum', 'window mesh', 'N', &
+                                  'largest mesh force in the window, also between samples'), result%force_maximum)
          call carry_torque(fields, field('shaft_torque_minimum', 'window shaft', 'N m', smallest), &
                            field('reaction_torque_minimum', 'window held', 'N m', smallest, 'where a body is held'), &
                            result%torque_minimum)
