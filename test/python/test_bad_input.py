@@ -59,7 +59,8 @@ def table(executable):
             variables.append(Variable(group, row[1], cells[1], cells[3] == "required", cells[4]))
     kinds = {variable.kind for variable in variables}
     assert len(variables) > 50 and kinds == {"real", "integer", "logical", "text", "reals", "names"}
-    return variables
+    # A planetary set is a short form of bodies and meshes, which the trains here do not have: test_planetary.py.
+    return [variable for variable in variables if variable.group != "planetary"]
 
 
 def case_text(table, fault=None, assignment="", without=""):

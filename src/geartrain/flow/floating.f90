@@ -3,6 +3,7 @@
 module geartrain_flow_floating
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
+   use geartrain_model_rows, only: rows_type
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
@@ -24,18 +25,32 @@ contains
       can_float = any(system%half_backlash > 0 .and. .not. abs(system%static_force(system%mesh_element)) > 0)
    end function can_float
 
-   !> Whether some mesh touches no flank during a motion: then its mean position in the gap is arbitrary. (A steady motion that
-   !> touches one flank touches the other flank too, because the forces have no mean.)
+   !> Whether some mesh touches no flank during a motion, and no other mesh or shaft holds its mean position in the gap: without the
+   !> meshes that touch no flank the train has more rigid motions. (A steady motion that touches one flank touches the other flank
+   !> too, because the forces have no mean.)
    pure logical function is_floating(system, motion)
       !> The train.
       type(system_type), intent(in) :: system
       !> Motion with its extremes.
       type(motion_type), intent(in) :: motion
+      logical :: apart(system%meshes), independent
+      type(rows_type) :: rows
+      integer :: n
 
       is_floating = .false.
       if (.not. can_float(system)) return
-      associate (b => system%half_backlash)
-         is_floating = any(b > 0 .and. motion%maximum <= b + slack*b .and. motion%minimum >= -b - slack*b)
+      associate (b => system%half_backlash, elements => system%network%elements)
+         apart = b > 0 .and. motion%maximum <= b + slack*b .and. motion%minimum >= -b - slack*b
+         if (.not. any(apart)) return
+         call rows%setup(size(system%network%inertia), 0)
+         do n = 1, size(elements)
+            if (.not. elements(n)%elastic) cycle
+            if (elements(n)%mesh > 0) then
+               if (apart(elements(n)%mesh)) cycle
+            end if
+            call rows%add(elements(n)%row_type, independent)
+         end do
+         is_floating = count(rows%free) > size(system%network%rigid, 2)
       end associate
    end function is_floating
 
