@@ -48,6 +48,18 @@ def joints_of(train: Description) -> list[Joint]:
     ]
 
 
+def carried_by(train: Description) -> list[tuple[int, int]]:
+    """Carriers and what rides on them, as places in `Description.body_labels`: gears of their meshes without a shaft, or all."""
+    bodies, found = train.body_labels, dict[tuple[int, int], None]()
+    fixed = {name for shaft in train.shafts for name in shaft.between or ()}
+    fixed |= {body.name for body in train.bodies or () if body.held}
+    for mesh in train.meshes:
+        if mesh.carrier and mesh.between is not None:
+            riders = [name for name in mesh.between if name not in fixed] or mesh.between
+            found.update(dict.fromkeys((bodies.index(mesh.carrier), bodies.index(rider)) for rider in riders))
+    return list(found)
+
+
 def places_of(bodies: int, joints: Sequence[Joint], first: int = 0) -> Array:
     """Where to draw the bodies, (bodies, 2): in columns by the number of joints from the first one.
 
@@ -111,6 +123,8 @@ def draw_schematic(
     bodies, joints, places = train.body_labels, joints_of(train), _places(train)
     numbers = train.explain()
     sizes = _sizes(len(bodies), joints, numbers)
+    for pair in carried_by(train):
+        ax.plot(*places[list(pair)].T, color="0.7", linewidth=1.0, linestyle="--", zorder=0)
     for joint in joints:
         share = None if strength is None else strength.get(joint.element)
         _draw_joint(ax, joint, places, sizes, _words(joint, train, numbers) if strength is None else "", share)
@@ -142,7 +156,8 @@ def figure_size(train: Description) -> tuple[float, float]:
 def _places(train: Description) -> Array:
     """Where to draw the bodies, the one that tells the speed on the left; a long train in rows, there and back."""
     bodies = train.body_labels
-    across, height = places_of(len(bodies), joints_of(train), bodies.index(train.speed_name)).T
+    joints = joints_of(train) + [Joint("carrier", pair) for pair in carried_by(train)]
+    across, height = places_of(len(bodies), joints, bodies.index(train.speed_name)).T
     row, column = np.divmod(across, _LONGEST)
     if row.max() > 0:
         column = np.where(row % 2 == 0, column, _LONGEST - 1 - column)

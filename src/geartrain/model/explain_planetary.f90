@@ -86,7 +86,7 @@ contains
          call carry(fields, field_type(kind//'_phase', 'planet', '1', 'lag of each mesh of the '//kind//', as a share of the mesh &
             &cycle: '//trim(merge('z_s psi of a planet at psi turns from the first            ', &
                                   '-z_r psi of a planet at psi turns, plus the lag of planet 1', kind == 'sun'))), lag)
-         words = phasing_of(train%meshes(meshes)%phase)
+         words = trim(phasing_of(train%meshes(meshes)%phase))
          call carry_text(fields, field_type(kind//'_phasing', '', '', 'class of the set by these phases'), words)
          share = [(torsion_share(h, train%meshes(meshes)%phase), h=1, 2*size(meshes))]
          where (share < rounding) share = 0
