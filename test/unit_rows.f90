@@ -8,7 +8,7 @@ module unit_rows
    use geartrain_linalg_lapack, only: dgeev
    use geartrain_model_modes, only: modes_type, natural_modes
    use geartrain_model_rows, only: row_type, rows_type
-   use testing, only: full, tests_type
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: rows_tests

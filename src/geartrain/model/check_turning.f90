@@ -19,9 +19,11 @@ contains
    !> Speed ratios tell what the gears leave free, gears on carriers turn, and as many bodies balance the torques as there are
    !> independent speeds.
    subroutine check_turning(train, mesh_ends, carrier, checker)
+      !> The plain train, with bodies.
       type(train_type), intent(in) :: train
       !> Bodies of each mesh, (2, mesh), and its carrier, 0: none, (mesh).
       integer, intent(in) :: mesh_ends(:, :), carrier(:)
+      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(turning_type) :: turning
       integer :: i, ratios
@@ -33,8 +35,8 @@ contains
          if (ratios > max(0, turning%motions - 1)) then
             call checker%enter('body', i)
             call checker%complain('speed_ratio', real_text(train%bodies(i)%speed_ratio), 'is one of '//integer_text(ratios)// &
-               ', but shafts and gears leave '//free_speeds()//' free beside that of '//"'"// &
-               train%bodies(max(1, turning%reference))%name//"'")
+               ', but beside that of '//"'"//train%bodies(max(1, turning%reference))%name// &
+               "' shafts and gears leave "//counted(max(0, turning%motions - 1), 'speed', 'speeds')//' free')
             call checker%leave()
          else
             call checker%problems%add('shafts and gears leave '//integer_text(turning%motions)//' speeds free: give speed_ratio &
@@ -67,15 +69,6 @@ contains
          return
       end do
       call check_balance(train, turning, checker)
-
-   contains
-
-      function free_speeds() result(words)
-         character(:), allocatable :: words
-
-         words = 'no speed'
-         if (turning%motions > 1) words = counted(turning%motions - 1, 'speed', 'speeds')
-      end function free_speeds
 
    end subroutine check_turning
 
@@ -137,11 +130,13 @@ contains
    !> Every body is joined with the first body, and round every loop without carriers the ratios multiply to 1. A search visits each
    !> body once; every further joint closes a loop.
    subroutine check_joints(train, shaft_ends, mesh_ends, carrier, checker)
+      !> The plain train, with bodies.
       type(train_type), intent(in) :: train
       !> Bodies that each shaft and each mesh joins, (2, shaft) and (2, mesh).
       integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       !> Carrier of each mesh, 0: none, (mesh). Loops with carriers are not walked round.
       integer, intent(in) :: carrier(:)
+      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       !> Reduced radius [1] and sense of rotation of each body, and the body from which the search came, (body).
       real(dp) :: radius(size(train%bodies))

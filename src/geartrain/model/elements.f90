@@ -35,8 +35,11 @@ contains
 
    !> Lists elastic shafts and meshes in the order shaft 1, mesh 1, shaft 2, ..., then springs and dampers to ground.
    pure subroutine list_elements(train, nodes, elements)
+      !> The plain train.
       type(train_type), intent(in) :: train
+      !> Its nodes.
       class(nodes_type), intent(in) :: nodes
+      !> The elements.
       type(element_type), allocatable, intent(out) :: elements(:)
       real(dp), dimension(body_count(train)) :: inertia, torque
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), balancing(:)
@@ -92,7 +95,9 @@ contains
 
    !> Magnitude of the first entry at a node that is not 0 [m]; 1 where there is none.
    pure real(dp) function radius_at(elements, node)
+      !> The elements.
       type(element_type), intent(in) :: elements(:)
+      !> Number of the node.
       integer, intent(in) :: node
       integer :: i, n
 

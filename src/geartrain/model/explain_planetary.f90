@@ -12,7 +12,7 @@ module geartrain_model_explain_planetary
    use geartrain_model_turning, only: turning_type
    implicit none (type, external)
    private
-   public :: explain_set, phasing_of
+   public :: explain_set
 
    !> Difference of phases, and share of a harmonic, that count as rounding [1].
    real(dp), parameter :: rounding = 1e-6_dp

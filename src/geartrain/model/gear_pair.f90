@@ -71,6 +71,7 @@ contains
 
    !> The involute function of an angle [rad]: tan - angle.
    elemental real(dp) function involute(angle)
+      !> The angle [rad].
       real(dp), intent(in) :: angle
 
       involute = tan(angle) - angle

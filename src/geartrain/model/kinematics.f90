@@ -74,7 +74,7 @@ contains
       found%speed_body = found%turning%reference
       if (.not. found%turning%determined) return
       do i = 1, size(signed, 2)
-         signed(:, i) = fraction(found%turning%speed(i))
+         signed(:, i) = ratio_of(found%turning%speed(i))
       end do
       if (any(signed(2, :) == 0)) return
       do i = 1, size(train%meshes)
@@ -152,7 +152,7 @@ contains
 
    !> A number as a ratio of whole numbers of at most 2^22, by its continued fraction; 0/0 where it is none. Two such ratios are
    !> further apart than rounding.
-   pure function fraction(number) result(ratio)
+   pure function ratio_of(number) result(ratio)
       real(dp), intent(in) :: number
       integer(int64) :: ratio(2), before(2), next(2)
       real(dp) :: rest
@@ -174,7 +174,7 @@ contains
          rest = 1/(rest - int(rest, int64))
       end do
       ratio = 0
-   end function fraction
+   end function ratio_of
 
    !> Difference of two ratios, in lowest terms.
    pure function difference(one, other) result(ratio)

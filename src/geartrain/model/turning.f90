@@ -11,7 +11,7 @@ module geartrain_model_turning
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: turning_type, find_turning, joint_row
+   public :: turning_type, find_turning
 
    !> A relative speed below this share of its terms is 0 [1].
    real(dp), parameter :: rounding = 1e-9_dp
