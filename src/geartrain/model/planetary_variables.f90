@@ -55,10 +55,10 @@ contains
 
       call v%on_list(row('teeth', '', 'numbers of teeth of sun, planet and ring; 0 for a sun or ring that the set lacks', &
                          least=zero, most=1e5*one, values=3, whole=.true.), set%teeth)
-      call v%on_integer(row('planets', '', 'number of planets, equally spaced; or `angles`', least=2*one, most=1000*one, &
+      call v%on_integer(row('planets', '', 'number of planets, equally spaced; or angles', least=2*one, most=1000*one, &
                             automatic=zero), set%planets)
       call v%on_list(row('angles', 'degree', 'angles of the planets on the carrier, in the sense in which the sun turns seen from &
-                         &the carrier; in place of `planets`'), set%angles)
+                         &the carrier; in place of planets'), set%angles)
       word = trim(set%driving)
       call v%on_text(row('driving', '', 'member that drives the planets, seen from the carrier: ring where the sun is driven, as &
                          &in a wind turbine', choices='sun ring'), word)

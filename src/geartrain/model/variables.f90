@@ -119,8 +119,8 @@ contains
       call v%on_real(row('stiffness_to_ground', 'N m/rad', 'stiffness of a spring between the body and the ground; it bears a mean &
                          &torque, and the body cannot turn', least=zero), body%stiffness_to_ground)
       call v%on_logical(row('held', '', 'the body stands still, as a housing; its reaction torque is a result'), body%held)
-      call v%on_real(row('speed_ratio', '', 'mean speed of the body over that of `speed_of`, negative in the opposite sense; only &
-                         &where the gears leave it free, as in a differential'), body%speed_ratio, body%ratio_given)
+      call v%on_real(row('speed_ratio', '', 'mean speed of the body over that of the body of speed_of, negative in the opposite &
+                         &sense; only where the gears leave it free, as in a differential'), body%speed_ratio, body%ratio_given)
       call v%on_logical(row('balances', '', 'the mean torque of the body balances all other torques, in a run-up also the &
                             &acceleration of the inertias; .true. for as many bodies as there are independent speeds, for none &
                             &where a spring to ground holds the train'), body%balances)
