@@ -150,8 +150,8 @@ contains
          shafts = shaft_labels(train)
          label = shafts(found%shaft(n))
       else if (found%mesh(n) == 0) then
-         words = 'a spring to ground'
-         label = words
+         label = 'a spring to ground'
+         words = label
       else
          words = 'mesh '//integer_text(found%mesh(n))
          meshes = mesh_labels(train)
