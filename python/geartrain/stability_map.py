@@ -189,7 +189,7 @@ class StabilityMap(Table):
             ax.axis(limits)
             ax.legend(fontsize=8)
         ax.grid(visible=False)
-        ax.set_title(map_words(self, unit), fontsize=8)
+        ax.set_title(map_words(self, unit).replace("; ", ";\n"), fontsize=8)
         ax.set_xlabel(units.frequency)
         ax.set_ylabel(_NAMES.get(self.name, self.name.replace("_", " ")) + (f"  [{self.unit}]" if self.unit != "1" else ""))
         return ax
