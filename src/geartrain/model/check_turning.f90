@@ -115,7 +115,8 @@ contains
             &torque follows from the others')
          call checker%leave()
       end do
-      if (any(train%bodies(balancing)%held) .or. size(balancing) == 0) return
+      ! Numbers out of their ranges make no network.
+      if (size(balancing) == 0 .or. checker%problems%count > 0) return
       call build_network(train, network)
       if (balances(network)) return
       call checker%enter('body', balancing(1))

@@ -142,10 +142,12 @@ contains
       element%radius = base_radius(train, measuring_gear(nodes%node, mesh_ends, nodes%node(ends)))
       call put_row(nodes, ends, element%radius*[1, -1], element)
       associate (shaft => train%shafts(i))
-         element%stiffness = shaft%stiffness/element%radius**2
-         element%damping = 2*shaft%damping_ratio*sqrt(shaft%stiffness/sum(1/vibrating(nodes, inertia, ends, &
-                                                                                                  allocated(train%bodies))))
+         element%damping = damping_of(shaft%damping_ratio, shaft%stiffness, [1.0_dp, 1.0_dp], &
+                                      vibrating(nodes, inertia, ends, allocated(train%bodies)))
          if (shaft%damping_given) element%damping = shaft%damping
+         ! A train that is not in order may have radii of 0.
+         if (.not. element%radius > 0) return
+         element%stiffness = shaft%stiffness/element%radius**2
          element%damping = element%damping/element%radius**2
       end associate
    end subroutine make_shaft
@@ -164,7 +166,7 @@ contains
          element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
          call put_row(nodes, ends, radii*[1, -1], element)
          element%stiffness = mesh%stiffness
-         element%damping = 2*mesh%damping_ratio*sqrt(mesh%stiffness/sum(radii**2/vibrating(nodes, inertia, ends, .true.)))
+         element%damping = damping_of(mesh%damping_ratio, mesh%stiffness, radii, vibrating(nodes, inertia, ends, .true.))
          if (mesh%damping_given) element%damping = mesh%damping
       end associate
 
@@ -198,6 +200,16 @@ contains
       if (abs(turning%relative(i)) > 0) entries = sign(1.0_dp, turning%relative(i))*entries
       call put_row(nodes, bodies, turning%sense(bodies)*entries, element)
    end subroutine put_carrier
+
+   !> Damping coefficient by a damping ratio, 2 ratio sqrt(k m) with 1/m = sum of r^2/I; 0 where the numbers are not in order.
+   pure real(dp) function damping_of(ratio, stiffness, radii, inertia) result(damping)
+      real(dp), intent(in) :: ratio, stiffness
+      !> Of the two ends.
+      real(dp), intent(in) :: radii(2), inertia(2)
+
+      damping = 0
+      if (all(inertia > 0) .and. any(abs(radii) > 0) .and. stiffness > 0) damping = 2*ratio*sqrt(stiffness/sum(radii**2/inertia))
+   end function damping_of
 
    !> Inertias at the ends of an element to which its damping ratio refers [kg m^2]: the inertia of each body as given. A body
    !> without inertia, and a shaft end of a train without &body, counts with all bodies that are rigidly joined to it; a held body
