@@ -15,6 +15,7 @@ module validation_gradient
    use geartrain_continuation_start, only: begin_trace, solution_of
    use geartrain_continuation_tracer, only: tracer_type
    use geartrain_linalg_trigonometric, only: evaluate
+   use geartrain_model_check, only: check_train
    use geartrain_model_parameter_table, only: parameter_type
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
@@ -300,9 +301,14 @@ contains
       type(tracer_type) :: tracer
       type(solution_point_type) :: solution
       type(branch_type) :: found
+      type(error_type), allocatable :: error
       real(dp) :: largest
       integer :: i, side
 
+      ! Another radius or number of a loop would lock its gears.
+      call check_train(train, error)
+      ok = .not. allocated(error)
+      if (.not. ok) return
       call begin_trace(train, settings, systems, tracer)
       solution = solution_of(tracer, motion)
       ! Torques are made of forces that lag the coefficients by a Newton step: by 5e-13 after the second solution, which differences
