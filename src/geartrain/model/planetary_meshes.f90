@@ -94,7 +94,8 @@ contains
             self%step = nint(self%turn*self%whole)
          end if
       else
-         self%planets = max(0, set%planets)
+         ! A number out of range has been told; so many planets would take minutes to make.
+         self%planets = merge(set%planets, 0, set%planets >= 0 .and. set%planets <= 1000)
          self%whole = self%planets
          self%step = [(n, n=0, self%planets - 1)]
          self%turn = [(real(n, dp)/self%planets, n=0, self%planets - 1)]
