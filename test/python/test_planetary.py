@@ -210,3 +210,13 @@ def test_wrong_sets_are_refused(more, message):
     given = {"teeth": (17, 22, 61), "planets": 3, "planet_inertia": 2.2e-3, "stiffness": 1e9, **COMMON, **more}
     with pytest.raises(gt.InputError, match=f"&planetary 1: .*{message}"):
         gt.Train(bodies=BODIES, planetaries=[gt.Planetary(name="stage 1", sun="sun", ring="ring", carrier="arm", **given)])
+
+
+def test_a_number_of_planets_out_of_range_is_told_at_once(tmp_path):
+    """Nothing is made of a set before its numbers are in range: a thousand million planets took minutes and all memory."""
+    path = tmp_path / "case.nml"
+    bodies = "&body name = 'sun', inertia = 1e-3 /\n&body name = 'ring', held = .true. /\n&body name = 'arm', balances = .true. /\n"
+    members = "&planetary name = 's', sun = 'sun', ring = 'ring', carrier = 'arm', teeth = 27, 36, 99"
+    path.write_text(f"&train /\n{bodies}{members}, planets = 1000000000, normal_module = 2.5e-3, face_width = 0.03 /\n&modes /\n")
+    with pytest.raises(gt.InputError, match="planets = 1000000000: must be >= 2 and <= 1000"):
+        gt.read_case(path)
