@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import geartrain as gt
-from geartrain._motion_search import _Known, _random_waveforms
 from geartrain.errors import SolverError
+from geartrain.results.motion_search import _Known, _random_waveforms
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "example" / "paper"))
 

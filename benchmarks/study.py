@@ -20,9 +20,9 @@ from pathlib import Path
 import numpy as np
 
 import geartrain as gt
-from geartrain.study_plan import Plan
-from geartrain.study_store import Record, Store
-from geartrain.study_worker import record_of
+from geartrain.studies.study_plan import Plan
+from geartrain.studies.study_store import Record, Store
+from geartrain.studies.study_worker import record_of
 
 CASE = Path(__file__).resolve().parent.parent / "namelists" / "fig03.nml"
 NAMES = [f"mesh {mesh} {name}" for mesh in (1, 2) for name in ("damping_ratio", "half_backlash", "stiffness")]

@@ -31,34 +31,34 @@ array([ 0.9571,  1.8662,  6.6807,  6.681 , 15.9206])
 
 from __future__ import annotations
 
-from . import _box
-from ._draw import plot_style
-from ._page import Page, page
-from ._suggest import suggest_names
-from .attractors import Attractors
-from .audit import Audit
-from .basins import Basins
-from .bifurcation_diagram import BifurcationDiagram
-from .branch import Branch
-from .campbell import Campbell, Crossing, Order
+from ._core import box as _box
+from ._core.explanation import Explanation
+from ._core.suggest import suggest_names
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
-from .exact_point import ExactPoint
-from .explanation import Explanation
-from .locus import Locus, LocusPoint
-from .lyapunov import LyapunovSpectrum
-from .modes import Modes
-from .motion import Motion
-from .motions import Motions
-from .run_up import RunUp
-from .space import Space
-from .special_point import SpecialPoint
-from .stability_map import StabilityMap
-from .study import Study, StudyExplanation, read_study
-from .summary import Jump, Peak, Peaks
-from .sweep import Sweep
+from .pages.page import Page, page
+from .plots.draw import plot_style
+from .results.attractors import Attractors
+from .results.audit import Audit
+from .results.basins import Basins
+from .results.bifurcation_diagram import BifurcationDiagram
+from .results.branch import Branch
+from .results.campbell import Campbell, Crossing, Order
+from .results.exact_point import ExactPoint
+from .results.locus import Locus, LocusPoint
+from .results.lyapunov import LyapunovSpectrum
+from .results.modes import Modes
+from .results.motion import Motion
+from .results.motions import Motions
+from .results.run_up import RunUp
+from .results.special_point import SpecialPoint
+from .results.stability_map import StabilityMap
+from .results.summary import Jump, Peak, Peaks
+from .results.sweep import Sweep
+from .results.trajectory import Trajectory
+from .studies.space import Space
+from .studies.study import Study, StudyExplanation, read_study
 from .train import Train
-from .trajectory import Trajectory
 from .variables import Body, Mesh, Planetary, Shaft
 
 __all__ = [

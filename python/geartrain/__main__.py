@@ -12,7 +12,7 @@ from pathlib import Path
 
 import geartrain
 
-from ._extras import OPTIONAL, cure
+from ._core.extras import OPTIONAL, cure
 
 __all__ = ["main"]
 

@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._box import Box, Group, file_name, fortran
-from ._motion_table import ATTRACTORS, INTEGRATION
-from ._namelist import parse
-from ._page import Page, page
-from ._table import Found
-from ._units import units_of
-from ._watch import watched
-from .attractors import Attractors
-from .basins import Basins
-from .bifurcation_diagram import BifurcationDiagram
-from .branch import Branch
-from .locus import Locus
-from .modes import Modes
-from .run_up import RunUp
-from .stability_map import StabilityMap
-from .sweep import Sweep
+from ._core.box import Box, Group, file_name, fortran
+from ._core.namelist import parse
+from ._core.table import Found
+from ._core.units import units_of
+from ._core.watch import watched
+from .pages.page import Page, page
+from .results.attractors import Attractors
+from .results.basins import Basins
+from .results.bifurcation_diagram import BifurcationDiagram
+from .results.branch import Branch
+from .results.locus import Locus
+from .results.modes import Modes
+from .results.motion_table import ATTRACTORS, INTEGRATION
+from .results.run_up import RunUp
+from .results.stability_map import StabilityMap
+from .results.sweep import Sweep
 from .train import Train
 from .variables import ANALYSES, VARIABLES
 

@@ -9,34 +9,34 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._box import Box
-from ._draw import new_axes
-from ._gradient import gradient_of
-from ._motion_search import find_motions
-from ._motion_table import motions_of, put_motions
-from ._namelist import in_words_of_the_call
-from ._units import Unit, lambda_of, units_of
-from ._variable import takes
-from ._watch import quiet, watched
-from .attractors import Attractors
-from .basins import Basins
-from .bifurcation_diagram import BifurcationDiagram
-from .branch import Branch
-from .campbell import Campbell
-from .description import Description
+from ._core.box import Box
+from ._core.description import Description
+from ._core.gradient import gradient_of
+from ._core.namelist import in_words_of_the_call
+from ._core.parameter import value_in, with_values
+from ._core.units import Unit, lambda_of, units_of
+from ._core.variable import takes
+from ._core.watch import quiet, watched
 from .errors import InputError, SolverError, shown
-from .exact_point import ExactPoint
-from .locus import Locus
-from .lyapunov import LyapunovSpectrum
-from .modes import Modes
-from .motion import Motion, from_state
-from .motions import Motions
-from .parameter import value_in, with_values
-from .run_up import RunUp
-from .schematic import draw_schematic, figure_size
-from .special_point import SpecialPoint
-from .stability_map import StabilityMap
-from .sweep import Sweep
+from .plots.draw import new_axes
+from .plots.schematic import draw_schematic, figure_size
+from .results.attractors import Attractors
+from .results.basins import Basins
+from .results.bifurcation_diagram import BifurcationDiagram
+from .results.branch import Branch
+from .results.campbell import Campbell
+from .results.exact_point import ExactPoint
+from .results.locus import Locus
+from .results.lyapunov import LyapunovSpectrum
+from .results.modes import Modes
+from .results.motion import Motion, from_state
+from .results.motion_search import find_motions
+from .results.motion_table import motions_of, put_motions
+from .results.motions import Motions
+from .results.run_up import RunUp
+from .results.special_point import SpecialPoint
+from .results.stability_map import StabilityMap
+from .results.sweep import Sweep
 from .variables import (
     PARTS,
     VARIABLES,

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
-from ._variable import Part, Series, Variable
+from ._core.variable import Part, Series, Variable
 
 if TYPE_CHECKING:
     from typing_extensions import Required

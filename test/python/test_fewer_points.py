@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from conftest import paper_train
 
-from geartrain._curve import Between
+from geartrain.results.curve import Between
 
 
 @pytest.fixture(scope="module")

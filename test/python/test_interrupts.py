@@ -11,8 +11,8 @@ import pytest
 from conftest import write_case
 
 import geartrain as gt
-from geartrain import _watch
-from geartrain._watch import watched
+from geartrain._core import watch as _watch
+from geartrain._core.watch import watched
 
 pytestmark = pytest.mark.full
 

@@ -13,7 +13,7 @@ import pytest
 from conftest import ROOT, assert_equal_files, reducer, run, single_pair
 
 import geartrain as gt
-from geartrain._watch import quiet
+from geartrain._core.watch import quiet
 
 #: Cycles of the mesh in a period.
 CYCLES = 521
@@ -286,7 +286,7 @@ def test_natural_frequencies_come_at_once(executable, tmp_path):
 def test_python_shows_the_forecast(train, monkeypatch, capsys):
     """Above the bar, once."""
     pytest.importorskip("tqdm")
-    from geartrain import _watch
+    from geartrain._core import watch as _watch
 
     written = []
 

@@ -7,9 +7,9 @@ import pytest
 from conftest import ROOT, paper_train, single_pair
 
 import geartrain as gt
-from geartrain._motion_search import _follow, _Known, _multipliers_at_infinity, _random_waveforms
-from geartrain._orbit import least_period, replace_period, same_orbit
-from geartrain.motions import index_sum
+from geartrain.results.motion_search import _follow, _Known, _multipliers_at_infinity, _random_waveforms
+from geartrain.results.motions import index_sum
+from geartrain.results.orbit import least_period, replace_period, same_orbit
 from paper_cases import paper_case
 
 pytestmark = pytest.mark.full

@@ -12,11 +12,11 @@ import pytest
 from conftest import ROOT, reducer
 
 import geartrain as gt
-from geartrain import _extras
-from geartrain._motion_check import VALUES
-from geartrain._page_force import force_laws, force_of
-from geartrain._page_pack import Block
-from geartrain.page_command import main
+from geartrain._core import extras as _extras
+from geartrain.pages.page_command import main
+from geartrain.pages.page_force import force_laws, force_of
+from geartrain.pages.page_pack import Block
+from geartrain.results.motion_check import VALUES
 from geartrain.variables import ANALYSES
 
 pytest.importorskip("plotly")
@@ -150,7 +150,7 @@ def test_a_large_page_has_fewer_waveforms(branch, monkeypatch):
     """The limit of its size stands in docs/page.md; here it is lowered, so that a small branch is too large."""
     told = unpacked(branch.page().html)["files"][0]["series"][0]
     assert told["every"] == 1
-    monkeypatch.setattr("geartrain._page._LARGE", len(branch.page().html) - 1000)
+    monkeypatch.setattr("geartrain.pages.page._LARGE", len(branch.page().html) - 1000)
     fewer = unpacked(branch.page().html)["files"][0]["series"][0]
     assert fewer["every"] == 2
     np.testing.assert_array_equal(fewer["coefficients"], told["coefficients"][::2])

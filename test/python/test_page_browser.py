@@ -9,7 +9,7 @@ import pytest
 from conftest import ROOT
 
 import geartrain as gt
-from geartrain._motion_check import VALUES
+from geartrain.results.motion_check import VALUES
 
 pytestmark = pytest.mark.full
 
@@ -318,8 +318,8 @@ def test_a_motion_of_a_window(browser, tmp_path):
 def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path, monkeypatch):
     other = train.with_values({"mesh 2 damping_ratio": 0.07}).response(start=0.4, stop=1.0)
     path = tmp_path / "both.html"
-    monkeypatch.setattr("geartrain._page._LARGE", 0)
-    monkeypatch.setattr("geartrain._page._SPARSE", 2)
+    monkeypatch.setattr("geartrain.pages.page._LARGE", 0)
+    monkeypatch.setattr("geartrain.pages.page._SPARSE", 2)
     gt.page(branch, path, compare=other, names=("given", "more <b>damping</b>"))
     page = Shown(browser, path, width=400)
     assert page.js("byId('curve').data.filter((t) => t.meta.file === 1).length") >= 2

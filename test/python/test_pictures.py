@@ -11,7 +11,7 @@ from conftest import single_pair
 from matplotlib import pyplot as plt
 
 import geartrain as gt
-from geartrain._draw import COLORS
+from geartrain.plots.draw import COLORS
 
 mpl.use("Agg")
 pytestmark = pytest.mark.usefixtures("closed_figures")
@@ -146,7 +146,7 @@ def test_a_response_that_ended_early_says_so(branch):
 
 def test_a_legend_leaves_the_axes_their_width(branch):
     """Names of many letters stand in as many columns as there is room for."""
-    from geartrain._draw import new_axes, put_legend
+    from geartrain.plots.draw import new_axes, put_legend
 
     ax = new_axes(None)
     for place in range(3):
@@ -160,8 +160,8 @@ def test_a_legend_leaves_the_axes_their_width(branch):
 
 def test_the_torque_of_the_shafts_over_speed(branch, monkeypatch):
     """Smallest and largest in one colour, with what lies between them shaded, of shafts that are not rigid."""
-    from geartrain import response_plot
-    from geartrain._box import Group, described
+    from geartrain._core.box import Group, described
+    from geartrain.plots import response_plot
 
     fields = {name: (("point", "shaft"), "N m", "") for name in ("shaft_torque_minimum", "shaft_torque_maximum")}
     listed = {**described(), "/response": Group(about={**described()["/response"].about, **fields})}

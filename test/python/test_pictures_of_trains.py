@@ -121,7 +121,7 @@ def test_the_picture_of_a_campbell_diagram(drawn):
 @pytest.mark.parametrize("make", [reducer, paper_train, lambda: gt.read_case(ROOT / "namelists" / "branched.nml").train])
 def test_rotations_of_modes_are_those_of_the_whole_train(make):
     """K phi = omega^2 M phi, set up from the numbers that explain() tells, without the library's coordinates."""
-    from geartrain.schematic import joints_of
+    from geartrain.plots.schematic import joints_of
 
     train = make()
     modes, numbers = train.modes(), train.explain()
@@ -180,7 +180,7 @@ def test_a_long_train_goes_there_and_back():
 
 
 def test_the_layout_of_a_train_keeps_bodies_apart(split):
-    from geartrain.schematic import Joint, joints_of, places_of
+    from geartrain.plots.schematic import Joint, joints_of, places_of
 
     places = places_of(7, joints_of(split))
     assert places[:, 0].tolist() == [0, 1, 2, 2, 3, 2, 4]  # the pinion drives both wheels and the pump

@@ -11,10 +11,10 @@ import xarray as xr
 from conftest import paper_train, reducer, single_pair
 
 import geartrain as gt
-from geartrain.jump_identity import identify
-from geartrain.study_command import main
-from geartrain.study_store import Store
-from geartrain.study_worker import compute_batch
+from geartrain.studies.jump_identity import identify
+from geartrain.studies.study_command import main
+from geartrain.studies.study_store import Store
+from geartrain.studies.study_worker import compute_batch
 
 RANGE = {"start": 0.4, "stop": 1.2}
 KEEP = ["peaks", "jumps", "special_points", "largest dynamic_factor", "first jump up", "rms"]
@@ -95,12 +95,12 @@ def test_the_same_bits_from_any_executor(executor, whole, tmp_path, monkeypatch)
         with ProcessPoolExecutor(2, get_context("spawn")) as pool:
             found = study.run(tmp_path, pool)
     elif executor == "our own pool":
-        monkeypatch.setattr("geartrain.study._SMALL", 0.0)
-        monkeypatch.setattr("geartrain.study.cores", lambda: 2)
+        monkeypatch.setattr("geartrain.studies.study._SMALL", 0.0)
+        monkeypatch.setattr("geartrain.studies.study.cores", lambda: 2)
         found = study.run(tmp_path)
     else:
-        monkeypatch.setattr("geartrain.study.cores", lambda: 6 if executor == "backwards" else 1)
-        monkeypatch.setattr("geartrain.study._SPREAD", 1)
+        monkeypatch.setattr("geartrain.studies.study.cores", lambda: 6 if executor == "backwards" else 1)
+        monkeypatch.setattr("geartrain.studies.study._SPREAD", 1)
         found = study.run(tmp_path, Backwards() if executor == "backwards" else None)
     assert found.equals(whole) and found.identical(whole)
     assert len(computed(tmp_path)) == len(set(computed(tmp_path))) == 6

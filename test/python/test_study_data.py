@@ -14,10 +14,10 @@ import pytest
 from conftest import single_pair
 
 import geartrain as gt
-from geartrain._sealed import DamagedError, seal, unseal
-from geartrain.study_command import main
-from geartrain.study_plan import Plan
-from geartrain.study_store import Store
+from geartrain._core.sealed import DamagedError, seal, unseal
+from geartrain.studies.study_command import main
+from geartrain.studies.study_plan import Plan
+from geartrain.studies.study_store import Store
 
 pytestmark = pytest.mark.full
 
@@ -42,8 +42,8 @@ def folder(whole, tmp_path):
 
 def call(folder, directory, *arguments):
     return subprocess.run(
-        [sys.executable, "-c", "import sys; sys.path[:] = filter(None, sys.path); from geartrain.study_command import main; "
-         "sys.exit(main(sys.argv[1:]))", folder, *arguments],
+        [sys.executable, "-c", "import sys; sys.path[:] = filter(None, sys.path); "
+         "from geartrain.studies.study_command import main; sys.exit(main(sys.argv[1:]))", folder, *arguments],
         cwd=directory, capture_output=True, text=True, check=False,
     )
 

@@ -14,7 +14,7 @@ from test_study import computed, pair_study
 import geartrain as gt
 import sensitivity
 import tolerance
-from geartrain.study_store import Store
+from geartrain.studies.study_store import Store
 
 pytestmark = pytest.mark.full
 

@@ -19,10 +19,10 @@ from conftest import single_pair
 from test_study import computed
 
 import geartrain as gt
-from geartrain import study_store
-from geartrain.study_command import main
-from geartrain.study_store import Claim, Store
-from geartrain.study_worker import STOPPED, compute_batch
+from geartrain.studies import study_store
+from geartrain.studies.study_command import main
+from geartrain.studies.study_store import Claim, Store
+from geartrain.studies.study_worker import STOPPED, compute_batch
 
 pytestmark = pytest.mark.full
 
@@ -49,7 +49,7 @@ def folder(tmp_path):
 
 def command(folder, *arguments, environment=None):
     return subprocess.Popen(
-        [sys.executable, "-m", "geartrain.study_command", folder, *arguments], start_new_session=True,
+        [sys.executable, "-m", "geartrain.studies.study_command", folder, *arguments], start_new_session=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env={**os.environ, **(environment or {})},
     )
 
@@ -74,7 +74,7 @@ def is_whole(folder, whole):
 
 def patched(tmp_path, code):
     """An environment in which every process of Python runs some code when it has imported the plan of a study."""
-    (tmp_path / "sitecustomize.py").write_text("import geartrain.study_plan as study_plan\n" + textwrap.dedent(code))
+    (tmp_path / "sitecustomize.py").write_text("import geartrain.studies.study_plan as study_plan\n" + textwrap.dedent(code))
     return {"PYTHONPATH": str(tmp_path)}
 
 
@@ -234,7 +234,8 @@ def test_a_damaged_plan_is_told_and_written_again(folder, whole, capsys):
 
 def test_a_full_disk_is_told_and_the_rest_kept(folder, whole):
     process = subprocess.run(
-        ["bash", "-c", 'ulimit -f 2; exec "$@"', "bash", sys.executable, "-m", "geartrain.study_command", folder, "--workers", "1"],
+        ["bash", "-c", 'ulimit -f 2; exec "$@"', "bash", sys.executable, "-m", "geartrain.studies.study_command", folder,
+         "--workers", "1"],
         capture_output=True, text=True, check=False,
     )
     assert process.returncode == 4 and "File too large" in process.stderr, process
@@ -243,7 +244,8 @@ def test_a_full_disk_is_told_and_the_rest_kept(folder, whole):
 
 
 def test_a_full_file_system_in_memory(folder, whole, tmp_path):
-    script = 'mount -t tmpfs -o size=400k none "$1" && cp -r "$2"/. "$1" && "$3" -m geartrain.study_command "$1" --workers 1; ' \
+    script = 'mount -t tmpfs -o size=400k none "$1" && cp -r "$2"/. "$1" && ' \
+             '"$3" -m geartrain.studies.study_command "$1" --workers 1; ' \
              'echo status $?; rm -f "$1"/batches/*.tmp; cp -r "$1"/batches/. "$2"/batches'
     disk = tmp_path / "disk"
     disk.mkdir()
@@ -269,7 +271,7 @@ def test_a_folder_that_vanishes_is_told(folder, whole):
 
 
 def test_long_work_is_written_as_it_goes(folder, whole, monkeypatch):
-    monkeypatch.setattr("geartrain.study_worker._LONGEST", 0.0)
+    monkeypatch.setattr("geartrain.studies.study_worker._LONGEST", 0.0)
     study().run(folder)
     assert len(Store(folder).paths()) == POINTS and study().dataset(folder).identical(whole)
 
@@ -322,7 +324,7 @@ def test_a_script_without_a_guard_is_told_what_it_lacks(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(textwrap.dedent("""
         import geartrain as gt
-        import geartrain.study as study
+        import geartrain.studies.study as study
         study._SMALL, study.cores = 0.0, lambda: 2
         train = gt.Train(
             input_torque=0.4, prime_mover_inertia=0.0, load_inertia=0.0, characteristic_length=1.0, characteristic_frequency=1.0,

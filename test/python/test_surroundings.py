@@ -58,7 +58,8 @@ print(len(paper_train().sweep(start=0.2, stop=2.6, points=500)))
     "import os; os.close(2)",
 ])
 def test_without_standard_error_or_tqdm_there_is_no_bar(request, before):
-    code = LONG.format(folder=str(request.path.parent), before="import geartrain._watch as watch; watch._PATIENCE = 0.1\n" + before)
+    before = "import geartrain._core.watch as watch; watch._PATIENCE = 0.1\n" + before
+    code = LONG.format(folder=str(request.path.parent), before=before)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode in (0, 120) and done.stdout == "500\n", done  # 120: Python itself cannot flush such a stream at its end
 

@@ -11,8 +11,8 @@ from conftest import ROOT, paper_train, run
 
 import geartrain as gt
 from geartrain.errors import plain, shown
-from geartrain.page_command import main as make_page
-from geartrain.study_command import main as run_study
+from geartrain.pages.page_command import main as make_page
+from geartrain.studies.study_command import main as run_study
 
 #: Clears the screen, C1's beginning of a sequence, next line, override of direction, isolate, line separator, tag.
 ACTING = ("\x1b[2J", "\x9b31m", "\x85", "\u202e", "\u2067", "\u2028", "\U000e0041")

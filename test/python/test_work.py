@@ -14,7 +14,8 @@ import pytest
 from conftest import paper_train
 
 import geartrain as gt
-from geartrain import _box, _watch
+from geartrain._core import box as _box
+from geartrain._core import watch as _watch
 
 INTERRUPTED = """
 import signal, sys

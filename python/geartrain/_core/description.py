@@ -1,0 +1,218 @@
+"""A train as it is described, and that as the text of a case file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import cached_property
+from itertools import zip_longest
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+from ..errors import DrawingWarning, InputError, shown
+from ..variables import PARTS, VARIABLES, Body, Mesh, TrainVariables
+from .box import Box
+from .explanation import Explanation
+from .namelist import group, in_words_of_the_call, parse, values
+from .variable import Part, refuse_unknown
+from .warn import warn
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from ..variables import Analyses
+
+__all__ = ["Description", "mesh_names", "shaft_names"]
+
+
+class Description(TrainVariables):
+    """A train as it is described: what results know of their train, and `Train` is beside what can be asked of it."""
+
+    def __post_init__(self) -> None:
+        for name, kind in PARTS.values():
+            parts = getattr(self, name)
+            if not isinstance(parts, Sequence) or not all(isinstance(part, kind) for part in parts):
+                raise InputError(f"{name} = {shown(parts)}: must be a list of gt.{kind.__name__}")
+            object.__setattr__(self, name, tuple(parts))
+        super().__post_init__()
+        if self.planetaries:
+            self._expand()
+        for told in self.warnings:  # which checks the train
+            warn(told, DrawingWarning)
+
+    def __repr__(self) -> str:
+        counts = [
+            f"{len(names)} {word if len(names) == 1 else plural}"
+            for names, word, plural in ((self.body_labels, "body", "bodies"), (self.shaft_labels, "shaft", "shafts"),
+                                        (self.mesh_labels, "mesh", "meshes"))
+        ]
+        orders = ", ".join(str(order) for order in sorted({int(order) for order in self._outline["order"]}))
+        title = f" {self.title!r}" if self.title else ""
+        return f"<{type(self).__name__}{title}: {', '.join(counts)} of order {orders}>"
+
+    def _expand(self) -> None:
+        """Put bodies and meshes in the place of the planetary sets, as Fortran expands them in a case file."""
+        with Box(self.namelist()) as box:
+            groups = parse(box.text("case"))
+        found: dict[str, list[dict[str, Any]]] = {name: [] for name in ("body", "mesh")}
+        for name, variables in groups:
+            if name in found:
+                given = {key: value for key, value in variables.items() if value != VARIABLES[name][key].default}
+                found[name].append(given)
+        carried = (replace(body, added_inertia=given.get("added_inertia")) for body, given in zip(self.bodies, found["body"]))
+        bodies = [*carried, *(Body(**given) for given in found["body"][len(self.bodies):])]
+        meshes = [*self.meshes, *(Mesh(**given) for given in found["mesh"][len(self.meshes):])]
+        for name, parts in (("bodies", bodies), ("meshes", meshes), ("planetaries", ())):
+            object.__setattr__(self, name, tuple(parts))
+
+    def namelist(self, **analyses: Unpack[Analyses]) -> str:
+        """The train, and the analyses wanted, as a case file's text.
+
+        Parameters
+        ----------
+        modes : bool
+        response, integration, attractors, basins, bifurcation_diagram, stability_map, run_up : mapping, optional
+            The variables of the group by their names or by their keywords, hence ``start`` as well as ``from``.
+        """
+        problems: dict[str, str] = {}
+        text = group("train", VARIABLES["train"], self._values(self), problems)
+        for name, number, part in self._parts():
+            text += group(name, VARIABLES[name], self._values(part), problems, f"&{name} {number}")
+        refuse_unknown("namelist", analyses, list(VARIABLES))
+        for name, settings in analyses.items():
+            if settings is not None and settings is not False:
+                text += group(name, VARIABLES[name], settings if isinstance(settings, Mapping) else {}, problems)
+        if problems:
+            raise InputError("\n".join([*problems.values(), *_further_problems(text, problems)]))
+        return text
+
+    def _parts(self) -> Iterator[tuple[str, int, Part]]:
+        """The parts with their groups and numbers: shafts and meshes by turns, as they stand in a chain, after all others."""
+        lists = {name: [(name, number, part) for number, part in enumerate(getattr(self, parts), 1)]
+                 for name, (parts, _) in PARTS.items()}
+        chain = zip_longest(lists.pop("shaft"), lists.pop("mesh"))
+        for parts in (*lists.values(), *chain):
+            yield from (item for item in parts if item is not None)
+
+    @staticmethod
+    def _values(part: Part) -> dict[str, Any]:
+        return {name: getattr(part, name) for name in part.variables}
+
+    @property
+    def mesh_labels(self) -> tuple[str, ...]:
+        """Names of the meshes by the bodies that they join, ``'pinion - wheel'``; ``'mesh 1'``, ... in a chain."""
+        return tuple(self._outline["mesh"])
+
+    @property
+    def shaft_labels(self) -> tuple[str, ...]:
+        """Names of the shafts by the bodies that they join, ``'motor - pinion'``; ``'shaft 1'``, ... in a chain."""
+        return tuple(self._outline["shaft"])
+
+    @property
+    def body_labels(self) -> tuple[str, ...]:
+        """Names of the bodies; ``'driving end'``, ``'driving gear 1'``, ``'driven gear 1'``, ..., ``'driven end'`` in a chain."""
+        return tuple(self._outline["body"])
+
+    @property
+    def speed_name(self) -> str:
+        """Name of the body whose revolutions are the speed."""
+        return self.speed_of or self.body_labels[0]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What deserves a second look: formulas of the drawing outside their range, modes of hardly any damping, a line each."""
+        with Box(copy=self._kept) as box:
+            return tuple(box.text("warnings").splitlines())
+
+    def explain(self) -> Explanation:
+        """Every number of the train, derived from the drawing or given, with its formula and source.
+
+        Returns
+        -------
+        Explanation
+            A mapping of mappings; printed it is the text of ``geartrain --explain``.
+
+        Examples
+        --------
+        >>> train.explain()["mesh 1"]["stiffness_cos"]
+        array([0.3])
+        """
+        with Box(copy=self._kept) as box:
+            return Explanation._of(box)
+
+    @cached_property
+    def _outline(self) -> dict[str, Any]:
+        """Names of bodies, meshes and shafts, orders of the meshes, characteristic length, and what Lambda = 1 is in rpm and Hz."""
+        with Box(copy=self._kept) as box:
+            return box.show("train")["/train"].values()
+
+    @cached_property
+    def _kept(self) -> Box:
+        """A box of the train, which stays as it is: the train is read but once."""
+        return Box(self.namelist())
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_kept"}
+
+    def _ask(self, **analyses: Mapping[str, Any] | None) -> Box:
+        """A box of the train that asks for analyses by their variables, as `namelist` takes them; it may be changed."""
+        problems: dict[str, str] = {}
+        asked = {
+            name: values(name, VARIABLES[name], settings, problems)
+            for name, settings in analyses.items() if settings is not None
+        }
+        box = Box(copy=self._kept)
+        try:
+            box.ask(asked)
+        except InputError as error:
+            if not problems:
+                raise
+            raise InputError("\n".join([*problems.values(), *_others(error, problems)])) from None
+        if problems:
+            raise InputError("\n".join(problems.values()))
+        return box
+
+    def _ask_at(self, frequency: float, settings: Mapping[str, Any]) -> Box:
+        """A box that asks for integration at one frequency, which is both ends of the range."""
+        if isinstance(frequency, bool) or not isinstance(frequency, Real):
+            raise InputError(f"frequency = {shown(frequency)}: must be a number")
+        try:
+            return self._ask(integration={"start": frequency, "stop": frequency, "points": 1, **settings})
+        except InputError as error:
+            told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency"})
+            raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
+
+
+def mesh_names(train: Description | None, meshes: int) -> tuple[str, ...]:
+    """What the meshes of a result are called; by their numbers where it has no train, or not one of so many meshes."""
+    labels = train.mesh_labels if isinstance(train, Description) else ()
+    return labels if len(labels) == meshes else tuple(f"mesh {number}" for number in range(1, meshes + 1))
+
+
+def shaft_names(train: Description | None, shafts: int) -> tuple[str, ...]:
+    """What the shafts of a result are called, likewise."""
+    labels = train.shaft_labels if isinstance(train, Description) else ()
+    return labels if len(labels) == shafts else tuple(f"shaft {number}" for number in range(1, shafts + 1))
+
+
+def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:
+    """What Fortran says of the other values."""
+    try:
+        with Box(text):
+            return []
+    except InputError as error:
+        return _others(error, known)
+
+
+def _others(error: InputError, known: Mapping[str, str]) -> list[str]:
+    """Problems that do not follow from the lack of those values whose problems are known."""
+    return [line for line in str(error).splitlines() if not any(_follows(line, name) for name in known)]
+
+
+def _follows(line: str, name: str) -> bool:
+    """Whether the problem comes of the lack of a variable, ``&mesh 2: stiffness``, and is not one of its namesake elsewhere."""
+    place, _, variable = name.rpartition(": ")
+    if not re.search(rf"\b{variable}\b", line):
+        return False
+    return line.startswith(f"{place}:") or f": {variable} = " not in line

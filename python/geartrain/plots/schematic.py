@@ -1,0 +1,212 @@
+"""The train as a picture: bodies as discs, joined by shafts and meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._core.description import Description
+from .draw import COLORS
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+__all__ = ["Joint", "draw_schematic", "figure_size", "joints_of", "places_of"]
+
+Array = NDArray[np.float64]
+
+_LONGEST = 10  # columns of bodies in a row
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A shaft or a mesh: its element, ``'shaft 1'``, and the places of the two bodies in `Description.body_labels`."""
+
+    element: str
+    ends: tuple[int, int]
+
+    @property
+    def is_mesh(self) -> bool:
+        """Whether it is a mesh."""
+        return self.element.startswith("mesh")
+
+
+def joints_of(train: Description) -> list[Joint]:
+    """The shafts and then the meshes of a train."""
+    bodies = train.body_labels
+    if not train.bodies:  # a chain: shaft, mesh, shaft, ..., and a body at either end of each
+        shafts = [Joint(f"shaft {number + 1}", (2 * number, 2 * number + 1)) for number in range(len(train.shafts))]
+        return shafts + [Joint(f"mesh {number + 1}", (2 * number + 1, 2 * number + 2)) for number in range(len(train.meshes))]
+    ends = {"shaft": [shaft.between for shaft in train.shafts], "mesh": [mesh.between for mesh in train.meshes]}
+    return [
+        Joint(f"{kind} {number}", (bodies.index(between[0]), bodies.index(between[1])))
+        for kind, joined in ends.items() for number, between in enumerate(joined, 1) if between is not None
+    ]
+
+
+def carried_by(train: Description) -> list[tuple[int, int]]:
+    """Carriers and what rides on them, as places in `Description.body_labels`: gears of their meshes without a shaft, or all."""
+    bodies, found = train.body_labels, dict[tuple[int, int], None]()
+    fixed = {name for shaft in train.shafts for name in shaft.between or ()}
+    fixed |= {body.name for body in train.bodies or () if body.held and body.name}
+    for mesh in train.meshes:
+        if mesh.carrier and mesh.between is not None:
+            riders = [name for name in mesh.between if name not in fixed] or mesh.between
+            found.update(dict.fromkeys((bodies.index(mesh.carrier), bodies.index(rider)) for rider in riders))
+    return list(found)
+
+
+def places_of(bodies: int, joints: Sequence[Joint], first: int = 0) -> Array:
+    """Where to draw the bodies, (bodies, 2): in columns by the number of joints from the first one.
+
+    In a column each stands as near as it can to the middle of those that it hangs on in the column before, one apart at least.
+    """
+    neighbours: list[list[int]] = [[] for _ in range(bodies)]
+    for joint in joints:
+        one, other = joint.ends
+        neighbours[one].append(other)
+        neighbours[other].append(one)
+    columns, depth = [[first]], {first: 0}
+    while columns[-1]:
+        columns.append([])
+        for body in columns[-2]:
+            for other in neighbours[body]:
+                if other not in depth:
+                    depth[other] = len(columns) - 1
+                    columns[-1].append(other)
+    places = np.zeros((bodies, 2))
+    for number, column in enumerate(columns[:-1]):
+        before = {body: [places[other, 1] for other in neighbours[body] if depth[other] == number - 1] for body in column}
+        wish = {body: float(np.mean(heights or [0.0])) for body, heights in before.items()}
+        order = sorted(column, key=lambda body: -wish[body])
+        for body, height in zip(order, _spread([wish[body] for body in order])):
+            places[body] = number, height
+    return places
+
+
+def _spread(wish: Sequence[float]) -> list[float]:
+    """Heights, descending by 1 at least, nearest to those wished, which descend: blocks of bodies that are in one another's way."""
+    blocks: list[tuple[float, int]] = []  # middle, number of bodies
+    for height in wish:
+        middle, count = height, 1
+        while blocks and blocks[-1][0] - (blocks[-1][1] - 1) / 2 < middle + (count - 1) / 2 + 1:
+            before, size = blocks.pop()
+            # The block's middle is where its bodies wish it on average.
+            middle = (size * before + count * middle) / (size + count)
+            count += size
+        blocks.append((middle, count))
+    return [middle + (count - 1) / 2 - place for middle, count in blocks for place in range(count)]
+
+
+def draw_schematic(
+    train: Description, ax: Axes, *, speed: float | None = None, body_color: Sequence[Any] | Array | None = None,
+    strength: Mapping[str, float] | None = None,
+) -> Axes:
+    """Draw a train.
+
+    Parameters
+    ----------
+    train : Description
+    ax : matplotlib.axes.Axes
+        Where to draw.
+    speed : float, optional
+        Revolutions per minute of the body that tells the speed: those of every body are told then, else its turns.
+    body_color : sequence, optional
+        Of each body.
+    strength : mapping, optional
+        Share of each element, told instead of ratios and numbers; its line is as thick.
+    """
+    bodies, joints, places = train.body_labels, joints_of(train), _places(train)
+    numbers = train.explain()
+    sizes = _sizes(len(bodies), joints, numbers)
+    for pair in carried_by(train):
+        ax.plot(*places[list(pair)].T, color="0.7", linewidth=1.0, linestyle="--", zorder=0)
+    for joint in joints:
+        share = None if strength is None else strength.get(joint.element)
+        _draw_joint(ax, joint, places, sizes, _words(joint, train, numbers) if strength is None else "", share)
+    from matplotlib.patches import Circle
+
+    for body, name in enumerate(bodies):
+        color = "white" if body_color is None else body_color[body]
+        gear = any(body in joint.ends and joint.is_mesh for joint in joints)
+        ax.add_patch(Circle(tuple(places[body]), sizes[body], facecolor=color, edgecolor="black", linewidth=1.2, zorder=3,
+                            linestyle="-" if gear else (0, (4, 1.5))))
+        told = numbers.get(name, {}).get("turns")
+        turns = "" if told is None else "\n1 turn" if told == 1 else f"\n{told:.4g} turns"
+        rate = f"\n{told * speed:.4g} rpm" if told is not None and speed is not None else turns
+        ax.annotate(name + rate, (places[body][0], places[body][1] - sizes[body]), (0, -3), textcoords="offset points", ha="center",
+                    va="top", fontsize=8, zorder=4, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8})
+    ax.set_xlim(places[:, 0].min() - 0.8, places[:, 0].max() + 0.8)
+    ax.set_ylim(places[:, 1].min() - 0.95, places[:, 1].max() + 0.6)
+    ax.set_aspect("equal")
+    ax.set_axis_off()
+    return ax
+
+
+def figure_size(train: Description) -> tuple[float, float]:
+    """Width and height of a figure of the train."""
+    width, height = np.ptp(_places(train), axis=0)
+    return float(np.clip(width + 1.8, 5.0, 18.0)), float(np.clip(1.05 * height + 2.0, 2.4, 12.0))
+
+
+def _places(train: Description) -> Array:
+    """Where to draw the bodies, the one that tells the speed on the left; a long train in rows, there and back."""
+    bodies = train.body_labels
+    joints = joints_of(train) + [Joint("carrier", pair) for pair in carried_by(train)]
+    across, height = places_of(len(bodies), joints, bodies.index(train.speed_name)).T
+    row, column = np.divmod(across, _LONGEST)
+    if row.max() > 0:
+        column = np.where(row % 2 == 0, column, _LONGEST - 1 - column)
+        height = height - row * (np.ptp(height) + 1.5)
+    return np.stack([1.6 * column, 1.15 * height], axis=1)
+
+
+def _sizes(bodies: int, joints: Sequence[Joint], numbers: Mapping[str, Mapping[str, Any]]) -> Array:
+    """Radii of the discs, which grow with the largest base radius of a body."""
+    radius = np.zeros(bodies)
+    for joint in joints:
+        if joint.is_mesh:
+            np.maximum.at(radius, list(joint.ends), numbers[joint.element]["base_radius"])
+    largest = radius.max(initial=0.0) or 1.0
+    return np.where(radius > 0, 0.16 + 0.2 * np.sqrt(radius / largest), 0.2)
+
+
+def _words(joint: Joint, train: Description, numbers: Mapping[str, Mapping[str, Any]]) -> str:
+    """What is told of a joint: its name, and the teeth or the ratio of the radii, or the stiffness."""
+    told = numbers.get(joint.element, {})  # nothing is told of a rigid shaft
+    if not joint.is_mesh:
+        from matplotlib.ticker import EngFormatter
+
+        return f"{joint.element}\n" + (EngFormatter("N m/rad", places=1)(told["stiffness"]) if "stiffness" in told else "rigid")
+    teeth = train.meshes[int(joint.element.split()[1]) - 1].teeth
+    if teeth is not None:
+        return f"{joint.element}\n" + " : ".join(f"{float(number):g}" for number in np.atleast_1d(teeth))
+    driving, driven = told["base_radius"]
+    return f"{joint.element}\n1 : {driven / driving:.4g}"
+
+
+def _draw_joint(ax: Axes, joint: Joint, places: Array, sizes: Array, words: str, share: float | None) -> None:
+    """A shaft as a thick line, a mesh as a dotted one; the words stand above the middle of what is seen of it."""
+    one, other = joint.ends
+    begin, end = places[one], places[other]
+    distance = float(np.hypot(*(end - begin)))
+    along = (end - begin) / distance
+    middle = (begin + sizes[one] * along + end - sizes[other] * along) / 2
+    color = "0.45" if share is None else COLORS[3]
+    thickness = 3.5 if share is None else 1.0 + 9.0 * share
+    style = (0, (1, 1)) if joint.is_mesh else "-"
+    ax.plot(*zip(begin, end), color=color, linewidth=thickness, linestyle=style, zorder=1, solid_capstyle="butt")
+    if share is not None and share >= 0.005:
+        words = f"{joint.element}\n{100 * share:.3g} %"
+    if words:
+        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 7, "color": "0.25", "zorder": 4}
+        if abs(along[0]) < 0.1:
+            ax.annotate(words, tuple(middle), (4 + thickness / 2, 0), ha="left", va="center", **text)
+            return
+        rise = 0 if abs(along[1]) < 0.1 else int(np.sign(along[1] * along[0]))
+        beside = -4 * rise, 4 + thickness / 2 - 3 * abs(rise)
+        ax.annotate(words, tuple(middle), beside, ha={0: "center", 1: "right", -1: "left"}[rise], va="bottom", **text)

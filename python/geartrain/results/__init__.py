@@ -1,0 +1,1 @@
+"""What the analyses give: branches, motions, maps, and their tables."""

@@ -1,0 +1,71 @@
+"""Orders by name: what a line of a spectrum comes from."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+from itertools import permutations
+
+from .._core.description import Description
+from ..errors import InputError, shown
+
+__all__ = ["named_orders", "orders_of"]
+
+_MULTIPLES, _SUMS = 8, 5  # largest multiple of a mesh order; largest of both multiples of a sum or difference
+
+
+def named_orders(train: Description) -> dict[float, str]:
+    """Names of orders, in multiples of the fundamental: of the meshes, their multiples, sums and differences, and of revolutions.
+
+    Empty where all meshes have the order 1 and the speed is not known: each order is a multiple of the fundamental then.
+    """
+    meshes: dict[int, str] = {}
+    for number, order in enumerate(map(int, train._outline["order"]), 1):
+        meshes[order] = f"{meshes[order]}, {number}" if order in meshes else f"mesh {number}"
+    if meshes.keys() == {1} and not train._outline["speed"]:
+        return {}
+    multiples = [(times, base, name if times == 1 else f"{times} x {name}") for base, name in meshes.items()
+                 for times in range(1, _MULTIPLES + 1)]
+    known = [(times, times * base, name) for times, base, name in multiples]
+    for (times, base, name), (others, other, second) in permutations(multiples, 2):
+        if base != other and times + others <= _SUMS:
+            known.append((times + others, times * base - others * other, f"{name} - {second}"))
+            if base > other:
+                known.append((times + others, times * base + others * other, f"{name} + {second}"))
+    # Of two names of an order the simpler one comes last, and stays.
+    named = {float(order): name for _, order, name in sorted(known, reverse=True) if order > 0}
+    numbers = train.explain()
+    bodies: dict[float, str] = {}
+    for body in train.body_labels:
+        turns = numbers["train"].get("speed_ratio", 0.0) * numbers.get(body, {}).get("turns", 0.0)
+        if turns and turns not in meshes:
+            bodies[turns] = f"{bodies[turns]}, {body}" if turns in bodies else body
+    return {**named, **bodies}
+
+
+def orders_of(train: Description | None, orders: Iterable[float | str] | None) -> dict[float, str]:
+    """Orders with what to call them: numbers are multiples of the fundamental, names those of `named_orders`.
+
+    None: the orders of the meshes and their doubles. An order without a name is called by its number.
+    """
+    names = named_orders(train) if train is not None else {}
+    if orders is None:
+        meshes = [] if train is None else list(map(float, train._outline["order"]))
+        return {order: names.get(order, f"{order:.4g}") for order in sorted({*meshes, *(2 * order for order in meshes)})}
+    known = {single: order for order, name in names.items() for single in _singly(name)}
+    found = {}
+    for order in orders:
+        if isinstance(order, str) and order not in known:
+            near = difflib.get_close_matches(order, known, 1)
+            hint = f" (did you mean {near[0]!r}?)" if near else ""
+            such = f" or a name such as {', '.join(map(repr, sorted(known, key=len)[:3]))}" if known else ""
+            raise InputError(f"orders: {shown(order)} is no order of this train{hint}: must be a multiple of the fundamental{such}")
+        number = known[order] if isinstance(order, str) else float(order)
+        found[number] = names.get(number, f"{number:.4g}")
+    return found
+
+
+def _singly(name: str) -> list[str]:
+    """``'engine, input'``: both names of the order; ``'mesh 1, 2'``: mesh 1 and mesh 2."""
+    first, *others = name.split(", ") if " - " not in name and " + " not in name else [name]
+    return [first, *(first[:first.rindex(" ") + 1] + other if other.isdigit() else other for other in others)]

@@ -1,0 +1,1 @@
+"""Many computations over a space of parameters."""
