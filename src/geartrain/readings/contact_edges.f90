@@ -5,8 +5,8 @@ module geartrain_readings_contact_edges
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples
+   use geartrain_mesh_law_contact, only: depth_below
    use geartrain_network_system, only: system_type
-   use geartrain_readings_contact_ranges, only: depth_below
    use geartrain_trace_branch, only: branch_type, carried_by, contact_edge_type, gap_along, response_settings_type
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_decided, only: joined
