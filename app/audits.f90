@@ -4,10 +4,10 @@ module audits
    use geartrain, only: audit_branch, audit_text, audit_type, branch_type, case_type, dp, error_type, read_case, results_type, &
                         run_case, status_ended_early, status_input
    use geartrain_analyses_dependencies, only: keep_branches
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_base_plain_text, only: escaped
-   use geartrain_continuation_exact_point, only: branch_with_multipliers
-   use geartrain_model_long_period, only: refuse_long_period
+   use geartrain_exact_exact_point, only: branch_with_multipliers
+   use geartrain_network_long_period, only: refuse_long_period
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, say
    implicit none (type, external)

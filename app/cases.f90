@@ -9,8 +9,8 @@ module cases
    use geartrain_base_numbers, only: counted
    use geartrain_base_plain_text, only: escaped
    use geartrain_input_new_case, only: new_case_text
+   use geartrain_report_case_report, only: report_text, time_text
    use geartrain_results_seal, only: check_replaceable
-   use geartrain_run_report, only: report_text, time_text
    use progress, only: begin_progress, progress_type
    use terminal, only: complain, say, tell_of_interrupts
    implicit none (type, external)

@@ -8,10 +8,10 @@ module progress
    use geartrain_analyses_forecast, only: forecast_type
    use geartrain_analyses_list, only: analyses, number_of
    use geartrain_base_numbers, only: counted, integer_text, significant
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_frequency_unit, only: hertz_per_lambda
-   use geartrain_model_train, only: train_type
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_network_frequency_unit, only: hertz_per_lambda
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_train_train, only: train_type
    use terminal, only: complain
    implicit none (type, external)
    private

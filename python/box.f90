@@ -5,7 +5,7 @@ module geartrain_python_box
    use geartrain, only: audit_text, audit_type, case_text, case_type, error_type, exact_point_type, gradient_type, &
       locate_contact_edges, motion_type, onsets_of, results_type, special_point_type, status_input, version
    use geartrain_analyses_analysis, only: analysis_type
-   use geartrain_analyses_audit_fields, only: visit_audit
+   use geartrain_exact_audit_fields, only: visit_audit
    use geartrain_analyses_dependencies, only: locate_edges
    use geartrain_analyses_list, only: find_analysis, number_of
    use geartrain_base_error, only: fatal, status_memory
@@ -14,20 +14,20 @@ module geartrain_python_box
    use geartrain_base_fields, only: fields_type, reading
    use geartrain_base_memory, only: can_begin, need
    use geartrain_base_numbers, only: integer_text
-   use geartrain_continuation_exact_fields, only: visit_exact_point, visit_onsets
-   use geartrain_continuation_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
-   use geartrain_flow_fields, only: visit_motions
-   use geartrain_input_check, only: check_analyses
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_drawing_warnings, only: warnings_text
-   use geartrain_model_explain, only: explain_train, explanation_text
-   use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
-   use geartrain_model_labels, only: body_labels, mesh_labels, shaft_labels
-   use geartrain_model_parameter_path, only: give_variation
-   use geartrain_model_train, only: train_type
+   use geartrain_exact_exact_fields, only: visit_exact_point, visit_onsets
+   use geartrain_readings_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
+   use geartrain_flow_motion_fields, only: visit_motions
+   use geartrain_input_check_case, only: check_analyses
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_report_drawing_warnings, only: warnings_text
+   use geartrain_report_explain, only: explain_train, explanation_text
+   use geartrain_network_frequency_unit, only: hertz_per_lambda, speed_per_lambda
+   use geartrain_train_labels, only: body_labels, mesh_labels, shaft_labels
+   use geartrain_network_parameter_path, only: give_variation
+   use geartrain_train_train, only: train_type
    use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
-   use geartrain_run_report, only: report_text
+   use geartrain_report_case_report, only: report_text
    use geartrain_run_results, only: results_bytes, take_results, visit_results
    implicit none (type, external)
    private

@@ -8,10 +8,10 @@ module geartrain_python_work
                         solutions_at, special_gradient, special_point_type
    use geartrain_analyses_forecast, only: forecast_type
    use geartrain_base_error, only: fatal, status_input
-   use geartrain_continuation_exact_point, only: branch_with_multipliers
-   use geartrain_continuation_locus, only: refusal_of
-   use geartrain_model_gradient, only: check_parameters
-   use geartrain_model_long_period, only: describe_period, refuse_long_period
+   use geartrain_curves_locus_trace, only: refusal_of
+   use geartrain_exact_exact_point, only: branch_with_multipliers
+   use geartrain_network_gradient, only: check_parameters
+   use geartrain_network_long_period, only: describe_period, refuse_long_period
    use geartrain_python_box, only: box_type
    use geartrain_run_room, only: room_type
    implicit none (type, external)

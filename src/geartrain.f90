@@ -2,9 +2,6 @@
 module geartrain
    use geartrain_analyses_attractor_branches, only: follow_attractors
    use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type
-   use geartrain_analyses_audit, only: audit_branch
-   use geartrain_analyses_audit_result, only: audit_row_type, audit_type
-   use geartrain_analyses_audit_text, only: audit_text
    use geartrain_analyses_basin_grid, only: basins_settings_type, basins_type
    use geartrain_analyses_basins, only: basins
    use geartrain_analyses_bifurcation_diagram, only: bifurcation_diagram, bifurcation_diagram_settings_type, &
@@ -12,6 +9,7 @@ module geartrain
    use geartrain_analyses_dependencies, only: locate_edges, name_parameter
    use geartrain_analyses_integration, only: integrate, sweep, sweep_type
    use geartrain_analyses_list, only: case_type, results_type
+   use geartrain_analyses_response_branch, only: response
    use geartrain_analyses_run_up, only: run_up, run_up_settings_type
    use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
    use geartrain_analyses_stability_map, only: stability_map
@@ -21,42 +19,44 @@ module geartrain
    use geartrain_base_interrupt, only: interrupt_by, interrupt_type
    use geartrain_base_kinds, only: dp, version
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_bifurcations, only: follow_bifurcations
-   use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
-   use geartrain_continuation_contact_edges, only: locate_contact_edges
-   use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
-   use geartrain_continuation_jumps, only: jump_type, jumps
-   use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of, refine_special_points
-   use geartrain_continuation_locus, only: trace_locus
-   use geartrain_continuation_locus_result, only: double_point_type, locus_type
-   use geartrain_continuation_motion_gradient, only: motion_gradient
-   use geartrain_continuation_refinement, only: refine_branch, refine_motions
-   use geartrain_continuation_response, only: response
-   use geartrain_continuation_solutions, only: solutions_at
-   use geartrain_continuation_special_gradient, only: special_gradient
-   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
-   use geartrain_continuation_switching, only: period_doubled
+   use geartrain_bifurcation_bifurcations, only: follow_bifurcations
+   use geartrain_bifurcation_switching, only: period_doubled
+   use geartrain_curves_locus_result, only: double_point_type, locus_type
+   use geartrain_curves_locus_trace, only: trace_locus
+   use geartrain_derivatives_motion_gradient, only: motion_gradient
+   use geartrain_derivatives_special_gradient, only: special_gradient
+   use geartrain_drawing_planetary_expansion, only: expand_planetaries
+   use geartrain_exact_audit, only: audit_branch
+   use geartrain_exact_audit_result, only: audit_row_type, audit_type
+   use geartrain_exact_exact_point, only: exact_point_type, find_exact_point, onsets_of, refine_special_points
+   use geartrain_exact_refinement, only: refine_branch, refine_motions
    use geartrain_flow_integration_settings, only: integration_settings_type
-   use geartrain_flow_run_up, only: run_up_type
+   use geartrain_flow_ramped_flow, only: run_up_type
    use geartrain_flow_shooting, only: refine
    use geartrain_flow_waveform, only: waveform
    use geartrain_input_reader, only: read_case, read_case_text
    use geartrain_input_template, only: template_text
    use geartrain_input_text, only: case_text
-   use geartrain_model_body, only: body_type
-   use geartrain_model_check, only: check_train
-   use geartrain_model_drawing_warnings, only: warnings_text
-   use geartrain_model_explain, only: explain_train, explanation_text, speed_text
-   use geartrain_model_gradient, only: frequency_gradient, gradient_type
-   use geartrain_model_mesh, only: mesh_type
-   use geartrain_model_modes, only: modes_type, natural_modes
-   use geartrain_model_planetary, only: planetary_type
-   use geartrain_model_planetary_expansion, only: expand_planetaries
-   use geartrain_model_shaft, only: shaft_type
-   use geartrain_model_train, only: train_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_gradient, only: frequency_gradient, gradient_type
+   use geartrain_network_natural_modes, only: modes_type, natural_modes
+   use geartrain_readings_contact_edges, only: locate_contact_edges
+   use geartrain_readings_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_readings_jumps, only: jump_type, jumps
+   use geartrain_readings_solutions, only: solutions_at
+   use geartrain_readings_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
+   use geartrain_report_audit_text, only: audit_text
+   use geartrain_report_drawing_warnings, only: warnings_text
+   use geartrain_report_explain, only: explain_train, explanation_text, speed_text
    use geartrain_run_read_results, only: read_results
    use geartrain_run_results, only: write_results
    use geartrain_run_run_case, only: run_case
+   use geartrain_trace_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_train_body, only: body_type
+   use geartrain_train_mesh, only: mesh_type
+   use geartrain_train_planetary, only: planetary_type
+   use geartrain_train_shaft, only: shaft_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    public
 end module geartrain

@@ -2,9 +2,9 @@
 module branches_over_parameters
    use fixtures, only: settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, train_type
-   use geartrain_continuation_points, only: motion_of
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_units, only: units_of, units_type
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_network_units, only: units_of, units_type
+   use geartrain_trace_points, only: motion_of
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -3,7 +3,7 @@ module hard_branches
    use fixtures, only: paper_train, settings_of
    use geartrain, only: attractors, attractors_settings_type, attractors_type, branch_type, dp, error_type, follow_attractors, &
                         motion_type, refine, response_settings_type, solutions_at, train_type
-   use geartrain_continuation_summary, only: folds
+   use geartrain_readings_summary, only: folds
    use readings, only: solve
    use testing, only: full, tests_type
    implicit none (type, external)

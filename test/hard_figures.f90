@@ -3,7 +3,7 @@
 module hard_figures
    use fixtures, only: paper_train, rectangular, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response_settings_type, solutions_at, train_type
-   use geartrain_continuation_summary, only: folds
+   use geartrain_readings_summary, only: folds
    use readings, only: solve
    use testing, only: full, nightly, tests_type
    implicit none (type, external)

@@ -6,7 +6,7 @@ module hard_grazing
    use geartrain_base_kinds, only: pi
    use geartrain_flow_flow, only: flow_type
    use geartrain_mesh_law_contact, only: contact_type
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use readings, only: solution, solve
    use testing, only: full, tests_type
    implicit none (type, external)

@@ -7,7 +7,7 @@ module hard_motions
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_lyapunov, only: largest_exponent
    use geartrain_flow_orbit, only: propagate
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: full, tests_type
    implicit none (type, external)
    private

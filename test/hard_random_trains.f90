@@ -3,9 +3,9 @@ module hard_random_trains
    use fixtures, only: random_train, reducer, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, refine, refine_branch, response_settings_type, solutions_at, &
       train_type
-   use geartrain_continuation_decided, only: rests_on_undecided
-   use geartrain_continuation_jumps, only: jump_type, jumps
-   use geartrain_continuation_summary, only: band_type, bands_without_stability
+   use geartrain_readings_jumps, only: jump_type, jumps
+   use geartrain_readings_summary, only: band_type, bands_without_stability
+   use geartrain_trace_decided, only: rests_on_undecided
    use readings, only: solve
    use testing, only: full, tests_type
    implicit none (type, external)

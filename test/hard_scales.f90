@@ -3,7 +3,7 @@ module hard_scales
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, refine, response_settings_type, shaft_type, solutions_at, &
       train_type
-   use geartrain_continuation_summary, only: folds
+   use geartrain_readings_summary, only: folds
    use readings, only: solution, solve
    use testing, only: full, tests_type
    implicit none (type, external)

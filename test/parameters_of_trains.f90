@@ -2,9 +2,10 @@
 module parameters_of_trains
    use geartrain, only: dp, error_type, train_type
    use geartrain_base_numbers, only: integer_text
-   use geartrain_model_drawing, only: plain_train, reduce_light_loads
-   use geartrain_model_parameter, only: find_parameter
-   use geartrain_model_parameter_table, only: add_to_parameter, parameter_type, table_type
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_network_light_loads, only: reduce_light_loads
+   use geartrain_network_parameter, only: find_parameter
+   use geartrain_network_parameter_table, only: add_to_parameter, parameter_type, table_type
    implicit none (type, external)
    private
    public :: all_parameters, change, name_length, parameter_of

@@ -5,9 +5,9 @@ module readings
    use fixtures, only: settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, response, response_settings_type, solutions_at, train_type
    use geartrain_base_kinds, only: pi
-   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use geartrain_flow_flow, only: flow_type
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
+   use geartrain_readings_summary, only: band_type, bands_without_stability, folds, peak_type, peaks
    use testing, only: tests_type
    implicit none (type, external)
    private

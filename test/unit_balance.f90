@@ -7,8 +7,8 @@ module unit_balance
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_linalg_graph, only: graph_type
-   use geartrain_model_receptance, only: find_receptance, receptance_type
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_receptance, only: find_receptance, receptance_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private

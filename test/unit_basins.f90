@@ -5,7 +5,7 @@ module unit_basins
    use geartrain_flow_approach, only: approach_type
    use geartrain_flow_recognition, only: recognition_type
    use geartrain_flow_section_map, only: section_map_type
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -2,10 +2,10 @@
 module unit_branch_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: arrange_points, branch_type, special_point_type
-   use geartrain_continuation_contact_ranges, only: back_collision_ranges, separation_ranges
-   use geartrain_continuation_jumps, only: jump_type, jumps
-   use geartrain_continuation_summary, only: band_type, bands_without_stability, folds, gaps, peak_type, peaks
+   use geartrain_readings_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_readings_jumps, only: jump_type, jumps
+   use geartrain_readings_summary, only: band_type, bands_without_stability, folds, gaps, peak_type, peaks
+   use geartrain_trace_branch, only: arrange_points, branch_type, special_point_type
    use testing, only: tests_type
    implicit none (type, external)
    private

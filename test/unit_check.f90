@@ -6,12 +6,12 @@ module unit_check
    use geartrain_analyses_list, only: case_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
-   use geartrain_continuation_branch, only: response_settings_type
-   use geartrain_continuation_variables, only: check_response
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_input_template, only: paper_case
-   use geartrain_model_check, only: check_train
-   use geartrain_model_train, only: train_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_trace_branch, only: response_settings_type
+   use geartrain_trace_response_variables, only: check_response
+   use geartrain_train_train, only: train_type
    use testing, only: tests_type
    implicit none (type, external)
    private

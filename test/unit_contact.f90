@@ -6,7 +6,7 @@ module unit_contact
    use geartrain_linalg_trigonometric, only: evaluate
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_model_mesh, only: mesh_type, put_law
+   use geartrain_train_mesh, only: mesh_type, put_law
    use testing, only: tests_type
    implicit none (type, external)
    private

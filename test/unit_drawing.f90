@@ -2,14 +2,15 @@
 module unit_drawing
    use geartrain, only: branch_type, case_type, dp, error_type, explanation_text, read_case_text, response, &
       response_settings_type, train_type, warnings_text
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
-   use geartrain_report_length_text, only: length_text, length_text_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, in_width
+   use geartrain_readings_length_text, only: length_text, length_text_type
    use geartrain_base_kinds, only: pi
-   use geartrain_model_drawing, only: plain_train, reduce_light_loads
-   use geartrain_model_frequency_unit, only: lambda_per
-   use geartrain_model_gear_pair, only: find_geometry, find_stiffness, gear_pair_type, pair_geometry_type, pair_stiffness_type, &
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_network_frequency_unit, only: lambda_per
+   use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, gear_pair_type, pair_geometry_type, pair_stiffness_type, &
                                         rectangular_wave
-   use geartrain_model_kinematics, only: find_kinematics, kinematics_type
+   use geartrain_network_light_loads, only: reduce_light_loads
+   use geartrain_train_kinematics, only: find_kinematics, kinematics_type
    use testing, only: tests_type
    implicit none (type, external)
    private

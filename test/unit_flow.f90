@@ -7,7 +7,7 @@ module unit_flow
    use geartrain_floquet_time_reversal, only: time_reversal_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: propagate
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -4,7 +4,7 @@ module unit_mesh
    use geartrain, only: branch_type, case_type, dp, error_type, integrate, integration_settings_type, mesh_type, motion_type, &
                         read_case_text, response, train_type
    use geartrain_base_kinds, only: pi
-   use geartrain_model_mesh, only: plain_mesh
+   use geartrain_train_mesh, only: plain_mesh
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -2,11 +2,11 @@
 module unit_network
    use fixtures, only: body, ring, settings_of
    use geartrain, only: branch_type, dp, error_type, mesh_type, response, shaft_type, train_type
-   use geartrain_model_check, only: check_train
-   use geartrain_model_labels, only: mesh_labels, shaft_labels
-   use geartrain_model_network, only: build_network, network_type
-   use geartrain_model_rest, only: largest_residual, rest_forces
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_network, only: build_network, network_type
+   use geartrain_network_rest, only: largest_residual, rest_forces
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_labels, only: mesh_labels, shaft_labels
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -2,11 +2,11 @@
 module unit_report
    use geartrain, only: dp
    use geartrain_base_numbers, only: counted, fixed, ordinal, significant
-   use geartrain_continuation_summary, only: band_type
-   use geartrain_report_frequency_text, only: frequency_text_type
-   use geartrain_report_names, only: list_numbers
-   use geartrain_report_ranges, only: range_words, ranges_of_points
-   use geartrain_report_sheet, only: in_head, in_quality, in_result, sheet_type
+   use geartrain_base_sheet, only: in_head, in_quality, in_result, sheet_type
+   use geartrain_readings_frequency_text, only: frequency_text_type
+   use geartrain_readings_range_sentences, only: range_words, ranges_of_points
+   use geartrain_readings_summary, only: band_type
+   use geartrain_train_names, only: list_numbers
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -6,8 +6,8 @@ module unit_rows
    use geartrain, only: branch_type, dp, error_type, mesh_type, response, shaft_type, train_type
    use geartrain_base_numbers, only: integer_text
    use geartrain_linalg_lapack, only: dgeev
-   use geartrain_model_modes, only: modes_type, natural_modes
-   use geartrain_model_rows, only: row_type, rows_type
+   use geartrain_linalg_rows, only: row_type, rows_type
+   use geartrain_network_natural_modes, only: modes_type, natural_modes
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -5,14 +5,14 @@ module unit_scale
                         train_type
    use geartrain_balance_balance, only: balance_type
    use geartrain_base_numbers, only: integer_text
-   use geartrain_continuation_corrector, only: solution_point_type
-   use geartrain_continuation_start, only: begin_trace, solution_of, resting
-   use geartrain_continuation_tracer, only: tracer_type
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_linalg_arnoldi, only: arnoldi_type
-   use geartrain_model_alike, only: share_alike
-   use geartrain_model_spectrum, only: eigenvalue_ranges, eigenvalues_of, largest_eigenvalue
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_alike, only: share_alike
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_network_system_spectrum, only: eigenvalue_ranges, eigenvalues_of, largest_eigenvalue
+   use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_start, only: begin_trace, solution_of, resting
+   use geartrain_trace_tracer, only: tracer_type
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -8,7 +8,7 @@ module unit_section_map
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_start_state, only: resting_state
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use networks, only: draw_laws, random_network
    use testing, only: tests_type
    implicit none (type, external)

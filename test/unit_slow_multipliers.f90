@@ -7,9 +7,9 @@ module unit_slow_multipliers
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_slow_multipliers, only: slow_multipliers_type
-   use geartrain_model_lowest_modes, only: lowest_modes_type
-   use geartrain_model_spectrum, only: eigenvalues_of
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_lowest_modes, only: lowest_modes_type
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_network_system_spectrum, only: eigenvalues_of
    use testing, only: full, tests_type
    use unit_scale, only: chain, equal_branches, joined
    implicit none (type, external)

@@ -8,7 +8,7 @@ module unit_time_constants
    use geartrain_flow_time_constants, only: settle_by_time, settled_type
    use geartrain_flow_uncertainty, only: figure_uncertainty_type, uncertainty_of
    use geartrain_flow_window, only: cycle_time, goes_by_windows, window_of
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -4,7 +4,7 @@ module validation_audit
    use fixtures, only: paper_train, settings_of
    use geartrain, only: audit_branch, audit_text, audit_type, branch_type, dp, error_type, follow_bifurcations, observer_type, &
       refine_branch, response, response_settings_type, train_type
-   use geartrain_continuation_summary, only: folds
+   use geartrain_readings_summary, only: folds
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use testing, only: full, tests_type
    implicit none (type, external)

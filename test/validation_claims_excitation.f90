@@ -3,7 +3,7 @@ module validation_claims_excitation
    use fixtures, only: paper_train
    use geartrain, only: branch_type, dp, train_type
    use geartrain_base_kinds, only: pi
-   use geartrain_continuation_summary, only: band_type, bands_without_stability, peak_type
+   use geartrain_readings_summary, only: band_type, bands_without_stability, peak_type
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, stable_somewhere, &
                        traced
    use testing, only: tests_type

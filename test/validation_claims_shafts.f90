@@ -3,7 +3,7 @@ module validation_claims_shafts
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, modes_type, motion_type, &
                         natural_modes, solutions_at, train_type
-   use geartrain_continuation_summary, only: folds, peak_type, peaks
+   use geartrain_readings_summary, only: folds, peak_type, peaks
    use readings, only: folds_between, has_fold, is_band, largest_between, peak_between, smallest_between, traced
    use testing, only: tests_type
    implicit none (type, external)

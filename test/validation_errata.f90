@@ -4,7 +4,7 @@ module validation_errata
    use geartrain, only: branch_type, dp, error_type, motion_type, response, solutions_at, train_type, waveform
    use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: pi
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -3,7 +3,7 @@ module validation_error_estimate
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, refine, response, response_settings_type, solutions_at, &
                         train_type
-   use geartrain_continuation_branch, only: coefficients_of
+   use geartrain_trace_branch, only: coefficients_of
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -9,18 +9,18 @@ module validation_gradient
    use geartrain_balance_figure_rates, only: figure_names
    use geartrain_base_kinds, only: pi
    use geartrain_base_numbers, only: integer_text
-   use geartrain_continuation_branch, only: dense_coefficients
-   use geartrain_continuation_corrector, only: solution_point_type
-   use geartrain_continuation_points, only: motion_of
-   use geartrain_continuation_start, only: begin_trace, solution_of
-   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_trace_branch, only: dense_coefficients
+   use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_points, only: motion_of
+   use geartrain_trace_start, only: begin_trace, solution_of
+   use geartrain_trace_tracer, only: tracer_type
    use geartrain_linalg_trigonometric, only: evaluate
-   use geartrain_model_check, only: check_train
-   use geartrain_model_parameter_table, only: parameter_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_parameter_table, only: parameter_type
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
    use testing, only: full, tests_type
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: gradient_tests
@@ -202,7 +202,7 @@ contains
       type(gradient_type) :: gradient
       type(parameter_type) :: parameter
       character(name_length), allocatable :: names(:)
-      !> Error of a derivative of the library [1]: rounding over the relative change of its differences (model/system_rate.f90), of
+      !> Error of a derivative of the library [1]: rounding over the relative change of its differences (network/gradient.f90), of
       !> what the figure changes by with the parameter, in proportion, that changes it most. What makes the figure, as the forces at
       !> rest, has that error, whichever parameter it follows.
       real(dp), parameter :: exact = epsilon(1.0_dp)/3e-6_dp

@@ -5,8 +5,8 @@ module validation_gradient_special
    use geartrain, only: branch_type, dp, error_type, frequency_gradient, gradient_type, modes_type, motion_gradient, &
       natural_modes, response, response_settings_type, special_gradient, train_type
    use geartrain_base_numbers, only: integer_text
-   use geartrain_continuation_points, only: motion_of
-   use geartrain_model_parameter_table, only: parameter_type
+   use geartrain_network_parameter_table, only: parameter_type
+   use geartrain_trace_points, only: motion_of
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
    use testing, only: full, tests_type

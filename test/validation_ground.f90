@@ -6,7 +6,7 @@ module validation_ground
    use geartrain_base_kinds, only: pi
    use geartrain_floquet_time_reversal, only: time_reversal_type
    use geartrain_linalg_lapack, only: dgeev
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private

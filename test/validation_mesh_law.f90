@@ -10,7 +10,7 @@ module validation_mesh_law
    use geartrain_flow_orbit, only: propagate
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -3,7 +3,7 @@ module validation_paper_train
    use fixtures, only: closest, paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, modes_type, motion_type, &
                         natural_modes, refine, response, response_settings_type, solutions_at, train_type
-   use geartrain_continuation_points, only: motion_of
+   use geartrain_trace_points, only: motion_of
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -4,9 +4,9 @@ module validation_parameter
    use fixtures, only: linear_pair, long_train, random_train, ring, settings_of, single_pair
    use geartrain, only: branch_type, case_type, dp, error_type, folds, gradient_type, motion_gradient, motion_type, &
       period_doubled, read_case, refine, refine_branch, response, response_settings_type, train_type
-   use geartrain_continuation_points, only: motion_of
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_parameter, only: largest_variation
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_network_parameter, only: largest_variation
+   use geartrain_trace_points, only: motion_of
    use testing, only: tests_type
    implicit none (type, external)
    private

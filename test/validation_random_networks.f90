@@ -6,8 +6,8 @@ module validation_random_networks
    use geartrain_flow_orbit, only: propagate
    use geartrain_flow_start_state, only: resting_state
    use geartrain_linalg_lapack, only: dgeev
-   use geartrain_model_bodies, only: find_ends
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_bodies, only: find_ends
    use independent, only: accelerate, build_machine, contacts, displacements, fly, joint_forces, machine_type
    use networks, only: draw_laws, random_network
    use testing, only: tests_type

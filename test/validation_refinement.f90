@@ -2,7 +2,7 @@
 module validation_refinement
    use fixtures, only: paper_train, settings_of
    use geartrain, only: branch_type, dp, error_type, motion_type, refine_branch, response, solutions_at
-   use geartrain_continuation_summary, only: folds
+   use geartrain_readings_summary, only: folds
    use omp_lib, only: omp_get_max_threads, omp_set_num_threads
    use testing, only: tests_type
    implicit none (type, external)

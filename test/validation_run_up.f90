@@ -6,7 +6,7 @@ module validation_run_up
       response, run_up, run_up_settings_type, run_up_type, train_type
    use geartrain_base_kinds, only: pi
    use geartrain_flow_ramp, only: make_ramp, ramp_type
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -8,7 +8,7 @@ module validation_settling
    use geartrain_flow_lyapunov, only: largest_exponent
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
    use readings, only: nearest_approach
    use testing, only: tests_type
    implicit none (type, external)

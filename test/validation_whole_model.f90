@@ -5,9 +5,9 @@ module validation_whole_model
       response_settings_type
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
-   use geartrain_continuation_stability_assessment, only: assess, assessment_type
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_model_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_trace_stability_assessment, only: assess, assessment_type
    use testing, only: tests_type
    implicit none (type, external)
    private

@@ -75,7 +75,7 @@ end subroutine read_input
 
 ! Meshes of the case's train, and the size of its states.
 subroutine train_sizes(handle, sizes)
-   use geartrain_model_drawing, only: state_count
+   use geartrain_network_network, only: state_count
    use geartrain_python_box, only: box_type, box_of
    implicit none
    integer(8), intent(in) :: handle

@@ -1,15 +1,15 @@
 !> The abstract type of all analyses: what the reader, the table of variables, the runner, the results file, the report and Python
 !> ask of an analysis. An analysis extends `analysis_type` in a file of its own and is registered in geartrain_analyses_list.
 module geartrain_analyses_analysis
+   use geartrain_analyses_torque_table, only: torque_table_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_fields, only: fields_type
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_sheet, only: sheet_type
    use geartrain_base_variable, only: visitor_type
-   use geartrain_model_train, only: train_type
-   use geartrain_report_sheet, only: sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: analysis_type, group_row_type, spoken

@@ -1,16 +1,16 @@
 !> Branches through attractors that lie on no branch so far.
 module geartrain_analyses_attractor_branches
    use geartrain_analyses_attractors, only: attractors_type
+   use geartrain_analyses_response_branch, only: response
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_bifurcations, only: add_branch
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
-   use geartrain_continuation_response, only: response
-   use geartrain_continuation_solutions, only: exceeds_limit, lies_on
-   use geartrain_continuation_variables, only: settings_for
-   use geartrain_model_train, only: train_type
+   use geartrain_bifurcation_bifurcations, only: add_branch
+   use geartrain_readings_solutions, only: exceeds_limit, lies_on
+   use geartrain_trace_branch, only: branch_type, response_settings_type
+   use geartrain_trace_response_variables, only: settings_for
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: follow_attractors

@@ -3,6 +3,7 @@
 module geartrain_analyses_attractors
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_integration, only: most_harmonics
+   use geartrain_analyses_torque_table, only: torque_table_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_same_motion, only: is_same_motion
    use geartrain_base_carry, only: carry, carry_text
@@ -14,24 +15,23 @@ module geartrain_analyses_attractors
    use geartrain_base_numbers, only: counted, fixed, significant, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_shared_observer, only: shared_observer_type
+   use geartrain_base_sheet, only: in_quality, in_result, sheet_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_flow_aperiodic, only: aperiodic_type
-   use geartrain_flow_fields, only: visit_motions
    use geartrain_flow_floating, only: note_of
    use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_motion_fields, only: visit_motions
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: need_to_settle, settle
    use geartrain_flow_start_state, only: random_state
-   use geartrain_model_check, only: check_train
-   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
-   use geartrain_model_limits, only: check_frequency, check_harmonics
-   use geartrain_model_long_period, only: check_long_period, visit_long_period
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
-   use geartrain_report_length_text, only: length_text, length_text_type
-   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_network_limits, only: check_frequency, check_harmonics
+   use geartrain_network_long_period, only: check_long_period, visit_long_period
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, in_width
+   use geartrain_readings_length_text, only: length_text, length_text_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: attractors, attractors_analysis_type, attractors_row, attractors_settings_type, attractors_type, check_attractors, &

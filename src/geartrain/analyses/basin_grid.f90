@@ -8,12 +8,12 @@ module geartrain_analyses_basin_grid
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, text
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_flow_fields, only: visit_motions
-   use geartrain_model_frequency_unit, only: check_unit, unit_length, visit_unit
-   use geartrain_model_limits, only: check_frequency
-   use geartrain_model_long_period, only: check_long_period, visit_long_period
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
+   use geartrain_flow_motion_fields, only: visit_motions
+   use geartrain_network_frequency_unit, only: check_unit, unit_length, visit_unit
+   use geartrain_network_limits, only: check_frequency
+   use geartrain_network_long_period, only: check_long_period, visit_long_period
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: basins_settings_type, basins_type, check_basins, not_done, ran_away, unsettled, visit_basins

@@ -10,7 +10,7 @@ module geartrain_analyses_basins
    use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type, collect, error_share
    use geartrain_analyses_basin_grid, only: basins_settings_type, basins_type, check_basins, not_done, ran_away, unsettled, &
       visit_basins
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -29,12 +29,12 @@ module geartrain_analyses_basins
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state, state_of
-   use geartrain_model_check, only: check_train
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
-   use geartrain_model_units, only: mesh_frequencies
-   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_train, only: train_type
+   use geartrain_network_units, only: mesh_frequencies
+   use geartrain_base_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_analyses_torque_table, only: torque_table_type
    implicit none (type, external)
    private
    public :: basins, basins_analysis_type, basins_row

@@ -3,7 +3,7 @@
 module geartrain_analyses_bifurcation_diagram
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -15,17 +15,17 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_base_numbers, only: counted, integer_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_flow_fields, only: about_frequency, about_mesh
+   use geartrain_flow_motion_fields, only: about_frequency, about_mesh
    use geartrain_flow_long_run, only: find_long_run
    use geartrain_flow_start_state, only: resting_state, state_of
-   use geartrain_model_check, only: check_train
-   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
-   use geartrain_model_limits, only: check_frequency
-   use geartrain_model_long_period, only: check_long_period, visit_long_period
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
-   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_network_limits, only: check_frequency
+   use geartrain_network_long_period, only: check_long_period, visit_long_period
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_train, only: train_type
+   use geartrain_base_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_analyses_torque_table, only: torque_table_type
    implicit none (type, external)
    private
    public :: bifurcation_diagram, bifurcation_diagram_analysis_type, bifurcation_diagram_row, bifurcation_diagram_settings_type, &

@@ -2,21 +2,21 @@
 !> are refined and the edges of contact are located.
 module geartrain_analyses_dependencies
    use geartrain_analyses_attractor_branches, only: follow_attractors
-   use geartrain_report_frequency_text, only: frequency_text_type, text_for
+   use geartrain_readings_frequency_text, only: frequency_text_type, text_for
    use geartrain_analyses_list, only: analyses, case_type, leave_out, results_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_bifurcations, only: follow_bifurcations
-   use geartrain_continuation_branch, only: branch_type
-   use geartrain_continuation_contact_edges, only: locate_contact_edges
-   use geartrain_continuation_exact_point, only: refine_special_points
-   use geartrain_continuation_refinement, only: refine_branch
-   use geartrain_continuation_variables, only: settings_for
-   use geartrain_model_frequency_unit, only: lambda_per
-   use geartrain_model_train, only: train_type
+   use geartrain_bifurcation_bifurcations, only: follow_bifurcations
+   use geartrain_trace_branch, only: branch_type
+   use geartrain_readings_contact_edges, only: locate_contact_edges
+   use geartrain_exact_exact_point, only: refine_special_points
+   use geartrain_exact_refinement, only: refine_branch
+   use geartrain_trace_response_variables, only: settings_for
+   use geartrain_network_frequency_unit, only: lambda_per
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: asks_refinement, check_agreement, follow_branches, keep_branches, locate_edges, name_parameter, refine_branches, &

@@ -4,9 +4,9 @@ module geartrain_analyses_forecast
    use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: counted, integer_text
-   use geartrain_continuation_branch, only: branch_type
-   use geartrain_model_frequency_unit, only: lambda_per
-   use geartrain_model_long_period, only: describe_period, long_period
+   use geartrain_network_frequency_unit, only: lambda_per
+   use geartrain_network_long_period, only: describe_period, long_period
+   use geartrain_trace_branch, only: branch_type
    implicit none (type, external)
    private
    public :: forecast_type

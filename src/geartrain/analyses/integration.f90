@@ -14,20 +14,20 @@ module geartrain_analyses_integration
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_flow_fields, only: visit_motions
+   use geartrain_flow_motion_fields, only: visit_motions
    use geartrain_flow_floating, only: note_of
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_orbit, only: stored_harmonics
    use geartrain_flow_window, only: goes_by_windows, window_of
    use geartrain_flow_start_state, only: resting_state, state_of
-   use geartrain_model_check, only: check_train
-   use geartrain_model_frequency_unit, only: check_unit, lambda_per, visit_unit
-   use geartrain_model_limits, only: check_frequency, check_harmonics
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
-   use geartrain_report_sweep, only: report_sweep
-   use geartrain_report_sheet, only: sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_frequency_unit, only: check_unit, lambda_per, visit_unit
+   use geartrain_network_limits, only: check_frequency, check_harmonics
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_train, only: train_type
+   use geartrain_analyses_sweep_report, only: report_sweep
+   use geartrain_base_sheet, only: sheet_type
+   use geartrain_analyses_torque_table, only: torque_table_type
    implicit none (type, external)
    private
    public :: check_integration, integrate, integration_analysis_type, integration_row, most_harmonics, sweep, &

@@ -14,12 +14,12 @@ module geartrain_analyses_list
    use geartrain_analyses_run_up, only: run_up_analysis_type, run_up_row, run_up_settings_type
    use geartrain_analyses_stability_grid, only: stability_map_settings_type, stability_map_type
    use geartrain_analyses_stability_map, only: stability_map_analysis_type, stability_map_row
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
-   use geartrain_continuation_locus_result, only: locus_type
+   use geartrain_curves_locus_result, only: locus_type
    use geartrain_flow_integration_settings, only: integration_settings_type
-   use geartrain_flow_run_up, only: run_up_type
-   use geartrain_model_modes, only: modes_type
-   use geartrain_model_train, only: train_type
+   use geartrain_flow_ramped_flow, only: run_up_type
+   use geartrain_network_natural_modes, only: modes_type
+   use geartrain_trace_branch, only: branch_type, response_settings_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: analyses, case_type, find_analysis, leave_out, number_of, results_type

@@ -1,7 +1,7 @@
 !> The analysis &locus: the curve of a special point or contact onset over Lambda and a parameter of the train.
 module geartrain_analyses_locus
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -12,19 +12,19 @@ module geartrain_analyses_locus
    use geartrain_base_numbers, only: counted, significant, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_continuation_branch, only: branch_type, response_settings_type, special_point_type
-   use geartrain_continuation_contact_edges, only: locate_contact_edges
-   use geartrain_continuation_exact_point, only: exact_point_type, find_exact_point, onsets_of
-   use geartrain_continuation_locus, only: find_path, refusal_of, trace_locus
-   use geartrain_continuation_locus_result, only: double_point_type, locus_type
-   use geartrain_flow_fields, only: about_frequency, about_multipliers
-   use geartrain_model_check, only: check_train
-   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
-   use geartrain_model_long_period, only: describe_period
-   use geartrain_model_parameter_path, only: parameter_path_type
-   use geartrain_model_train, only: train_type
-   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_trace_branch, only: branch_type, response_settings_type, special_point_type
+   use geartrain_readings_contact_edges, only: locate_contact_edges
+   use geartrain_exact_exact_point, only: exact_point_type, find_exact_point, onsets_of
+   use geartrain_curves_locus_trace, only: find_path, refusal_of, trace_locus
+   use geartrain_curves_locus_result, only: double_point_type, locus_type
+   use geartrain_flow_motion_fields, only: about_frequency, about_multipliers
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_network_long_period, only: describe_period
+   use geartrain_network_parameter_path, only: parameter_path_type
+   use geartrain_train_train, only: train_type
+   use geartrain_base_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_analyses_torque_table, only: torque_table_type
    implicit none (type, external)
    private
    public :: locus_analysis_type, locus_row, locus_settings_type

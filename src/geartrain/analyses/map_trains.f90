@@ -2,9 +2,9 @@
 module geartrain_analyses_map_trains
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
-   use geartrain_model_drawing, only: drop_drawing, plain_train
-   use geartrain_model_parameter_path, only: parameter_path_type
-   use geartrain_model_train, only: train_type
+   use geartrain_drawing_drawing, only: drop_drawing, plain_train
+   use geartrain_network_parameter_path, only: parameter_path_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: map_trains_type, moves_linear_train

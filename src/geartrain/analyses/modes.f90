@@ -1,6 +1,8 @@
 !> The analysis &modes: natural frequencies, damping ratios and mode shapes of the mean system.
 module geartrain_analyses_modes
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_analyses_modes_table, only: put_modes
+   use geartrain_analyses_torque_table, only: torque_table_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry
    use geartrain_base_error, only: error_type
@@ -8,12 +10,10 @@ module geartrain_analyses_modes
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_sheet, only: sheet_type
    use geartrain_base_variable, only: visitor_type
-   use geartrain_model_modes, only: modes_type, natural_modes
-   use geartrain_model_train, only: train_type
-   use geartrain_report_modes_table, only: put_modes
-   use geartrain_report_sheet, only: sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_network_natural_modes, only: modes_type, natural_modes
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: modes_analysis_type, modes_row

@@ -1,7 +1,7 @@
-!> The analysis &response: the branch of periodic motions over frequency, which geartrain_continuation_response traces.
+!> The analysis &response: the branch of periodic motions over frequency, which geartrain_analyses_response_branch traces.
 module geartrain_analyses_response
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
-   use geartrain_report_frequency_text, only: frequency_text_type, text_for
+   use geartrain_readings_frequency_text, only: frequency_text_type, text_for
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
@@ -9,16 +9,17 @@ module geartrain_analyses_response
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
-   use geartrain_continuation_fields, only: visit_branch
-   use geartrain_continuation_response, only: response
-   use geartrain_continuation_summary_fields, only: visit_summary
-   use geartrain_continuation_variables, only: check_response_consistency, visit_response
-   use geartrain_model_drawing, only: plain_train, state_count
-   use geartrain_model_train, only: train_type
-   use geartrain_report_branch, only: report_branch
-   use geartrain_report_sheet, only: sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_trace_branch, only: branch_type, response_settings_type
+   use geartrain_trace_branch_fields, only: visit_branch
+   use geartrain_analyses_response_branch, only: response
+   use geartrain_readings_summary_fields, only: visit_summary
+   use geartrain_trace_response_variables, only: check_response_consistency, visit_response
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_network_network, only: state_count
+   use geartrain_train_train, only: train_type
+   use geartrain_analyses_branch_report, only: report_branch
+   use geartrain_base_sheet, only: sheet_type
+   use geartrain_analyses_torque_table, only: torque_table_type
    implicit none (type, external)
    private
    public :: response_analysis_type, response_row, visit_whole_branch

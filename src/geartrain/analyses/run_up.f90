@@ -1,10 +1,10 @@
 !> The analysis &run_up: Lambda goes linearly in time from one value to another, from the steady motion at the first value on.
 module geartrain_analyses_run_up
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
-   use geartrain_report_names, only: list_numbers, mesh_names, name_length, shaft_names
-   use geartrain_report_sheet, only: in_head, in_quality, in_result, in_run_up, sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, in_width
+   use geartrain_train_names, only: list_numbers, mesh_names, name_length, shaft_names
+   use geartrain_base_sheet, only: in_head, in_quality, in_result, in_run_up, sheet_type
+   use geartrain_analyses_torque_table, only: torque_table_type
    use geartrain_analyses_run_up_start, only: find_start, tell_start
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
@@ -16,17 +16,17 @@ module geartrain_analyses_run_up
    use geartrain_base_numbers, only: counted, fixed, integer_text, real_text, significant, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_flow_fields, only: about_frequency, about_mesh
+   use geartrain_flow_motion_fields, only: about_frequency, about_mesh
    use geartrain_flow_ramp, only: make_ramp, ramp_type
-   use geartrain_flow_run_up, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
+   use geartrain_flow_ramped_flow, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
    use geartrain_flow_torque_fields, only: about_held, carry_torque
-   use geartrain_model_check, only: check_train
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
-   use geartrain_model_limits, only: check_frequency
-   use geartrain_model_rest, only: largest_residual
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_network_limits, only: check_frequency
+   use geartrain_network_rest, only: largest_residual
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: run_up, run_up_analysis_type, run_up_row, run_up_settings_type

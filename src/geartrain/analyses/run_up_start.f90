@@ -7,12 +7,12 @@ module geartrain_analyses_run_up_start
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_integration_settings, only: integration_settings_type
-   use geartrain_flow_run_up, only: run_up_type
+   use geartrain_flow_ramped_flow, only: run_up_type
    use geartrain_flow_settling, only: need_to_settle, settle
    use geartrain_flow_start_state, only: resting_state, state_of
    use geartrain_flow_time_constants, only: negligible, settle_by_time, settled_type
    use geartrain_flow_window, only: goes_by_windows
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: find_start, tell_start

@@ -10,14 +10,14 @@ module geartrain_analyses_stability_grid
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_flow_fields, only: about_frequency, about_mesh
-   use geartrain_model_check, only: check_train
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
-   use geartrain_model_limits, only: check_common_period, check_frequency, check_harmonics
-   use geartrain_model_long_period, only: check_long_period, visit_long_period
-   use geartrain_model_parameter, only: largest_variation
-   use geartrain_model_train, only: train_type
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_flow_motion_fields, only: about_frequency, about_mesh
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
+   use geartrain_network_limits, only: check_common_period, check_frequency, check_harmonics
+   use geartrain_network_long_period, only: check_long_period, visit_long_period
+   use geartrain_network_parameter, only: largest_variation
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: check_consistency, check_stability_map, map_row_type, stability_map_settings_type, stability_map_type, visit_map, &

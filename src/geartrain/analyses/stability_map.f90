@@ -7,7 +7,7 @@ module geartrain_analyses_stability_map
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_map_trains, only: map_trains_type
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_stability_grid, only: check_consistency, check_stability_map, map_row_type, &
       stability_map_settings_type, stability_map_type, visit_map, visit_stability_map
    use geartrain_balance_balance, only: balance_type
@@ -21,19 +21,19 @@ module geartrain_analyses_stability_map
    use geartrain_base_numbers, only: counted, fixed, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
-   use geartrain_continuation_branch, only: branch_type, response_settings_type
-   use geartrain_continuation_response, only: response
-   use geartrain_continuation_solutions, only: record_crossings
-   use geartrain_continuation_start, only: begin_trace
-   use geartrain_continuation_tracer, only: tracer_type
+   use geartrain_trace_branch, only: branch_type, response_settings_type
+   use geartrain_analyses_response_branch, only: response
+   use geartrain_readings_solutions, only: record_crossings
+   use geartrain_trace_start, only: begin_trace
+   use geartrain_trace_tracer, only: tracer_type
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: is_stable, power
-   use geartrain_model_check, only: check_train
-   use geartrain_model_frequency_unit, only: lambda_per
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
-   use geartrain_report_sheet, only: in_quality, in_result, sheet_type
-   use geartrain_report_torques, only: torque_table_type
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_frequency_unit, only: lambda_per
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_train, only: train_type
+   use geartrain_base_sheet, only: in_quality, in_result, sheet_type
+   use geartrain_analyses_torque_table, only: torque_table_type
    implicit none (type, external)
    private
    public :: stability_map, stability_map_analysis_type, stability_map_row

@@ -13,7 +13,7 @@ module geartrain_analyses_steady_motion
    use geartrain_flow_settling, only: is_leaving, need_to_settle, settle
    use geartrain_flow_time_constants, only: find_in_window
    use geartrain_flow_window, only: goes_by_windows, window_of
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: check_start, find_steady, need_to_find

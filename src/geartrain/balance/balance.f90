@@ -6,10 +6,10 @@ module geartrain_balance_balance
    use geartrain_balance_mesh_forces, only: mesh_forces_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
-   use geartrain_model_excitation, only: excited_harmonics
-   use geartrain_model_parameter_path, only: parameter_path_type
-   use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
-   use geartrain_model_system, only: system_type
+   use geartrain_network_excitation, only: excited_harmonics
+   use geartrain_network_parameter_path, only: parameter_path_type
+   use geartrain_network_receptance, only: find_receptance, linear_displacements, receptance_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: balance_type
@@ -172,7 +172,7 @@ contains
       end do
    end subroutine evaluate_at
 
-   !> Left sides of the mean equations: the mean forces themselves unless unknown meshes close loops (geartrain_model_mean).
+   !> Left sides of the mean equations: the mean forces themselves unless unknown meshes close loops (geartrain_network_mean).
    pure subroutine mean_product(self, force, displacement, product)
       class(balance_type), intent(in) :: self
       !> Mean force phi and mean displacement over b_c of each unknown mesh [1], (unknown).

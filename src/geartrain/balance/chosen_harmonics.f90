@@ -1,7 +1,7 @@
 !> How many harmonics a balance begins with, and has at least and at most, where the program chooses their number (harmonics = 0).
 module geartrain_balance_chosen_harmonics
-   use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
-   use geartrain_model_system, only: system_type
+   use geartrain_network_excitation, only: excited_harmonics, reach_of_sources
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: fewest_harmonics, first_harmonics, most_harmonics

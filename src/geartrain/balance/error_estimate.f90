@@ -9,7 +9,7 @@ module geartrain_balance_error_estimate
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
    use geartrain_linalg_trigonometric, only: evaluate, sample, transform_length
    use geartrain_mesh_law_spectra, only: spectra_type
-   use geartrain_model_receptance, only: find_receptance, linear_displacements, receptance_type
+   use geartrain_network_receptance, only: find_receptance, linear_displacements, receptance_type
    implicit none (type, external)
    private
    public :: error_estimate_type, find_error_estimate, harmonics_for

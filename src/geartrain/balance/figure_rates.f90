@@ -3,8 +3,8 @@
 module geartrain_balance_figure_rates
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_balanced_torque, only: shaft_coefficients
    use geartrain_balance_extreme_places, only: agreed, find_places, most_places, place_type, rate_at
-   use geartrain_balance_shaft_torque, only: shaft_coefficients
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: evaluate, fine_samples, least_height, next_maximum, sample

@@ -14,8 +14,8 @@ module geartrain_balance_fixed_space
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_linalg_elimination, only: determinant_sign, factor_matrix, solve_factored
-   use geartrain_model_equal_branches, only: equal_branches_type
-   use geartrain_model_system, only: system_type
+   use geartrain_network_equal_branches, only: equal_branches_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: fixed_space_type

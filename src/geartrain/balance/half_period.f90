@@ -3,7 +3,7 @@
 !> periods of the excitation.
 module geartrain_balance_half_period
    use geartrain_base_kinds, only: dp
-   use geartrain_model_equal_branches, only: equal_branches_type
+   use geartrain_network_equal_branches, only: equal_branches_type
    implicit none (type, external)
    private
    public :: half_period_type

@@ -4,8 +4,8 @@ module geartrain_balance_harmonic_set
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_base_kinds, only: dp
-   use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
-   use geartrain_model_system, only: system_type
+   use geartrain_network_excitation, only: excited_harmonics, reach_of_sources
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: first_set, has_sparse_motions, next_set

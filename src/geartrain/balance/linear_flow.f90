@@ -14,7 +14,7 @@ module geartrain_balance_linear_flow
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: sample, transform_length
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: linear_flow_type, suits

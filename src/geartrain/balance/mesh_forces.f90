@@ -8,7 +8,7 @@ module geartrain_balance_mesh_forces
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: fine_samples, transform_length
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: mesh_forces_type

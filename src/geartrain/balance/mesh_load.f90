@@ -8,7 +8,7 @@ module geartrain_balance_mesh_load
    use geartrain_linalg_trigonometric, only: evaluate, least_height, next_maximum, resolution, sample
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: mesh_load_type, force_reader_type, load_resolution, put_force

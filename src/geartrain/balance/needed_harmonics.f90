@@ -1,8 +1,8 @@
 !> Which harmonics a balance carries: the harmonics that the excitation reaches. Orders without a common divisor, as of hunting
 !> teeth, reach all harmonics in the end, but most of them only by sums of so many orders that the amplitude there is negligible.
 module geartrain_balance_needed_harmonics
-   use geartrain_model_excitation, only: excited_harmonics
-   use geartrain_model_system, only: system_type
+   use geartrain_network_excitation, only: excited_harmonics
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: needed_harmonics

@@ -6,9 +6,9 @@ module geartrain_balance_repetition
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
-   use geartrain_model_kinematics, only: greatest_divisor
+   use geartrain_train_kinematics, only: greatest_divisor
    use geartrain_floquet_multipliers, only: power
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: repetitions_in, repetitions_of, take_one, repeat_motion

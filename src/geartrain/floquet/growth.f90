@@ -13,8 +13,8 @@ module geartrain_floquet_growth
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: neutral
    use geartrain_linalg_lapack, only: dgemm
-   use geartrain_model_excitation, only: excited_harmonics
-   use geartrain_model_system, only: system_type
+   use geartrain_network_excitation, only: excited_harmonics
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: find_growth, growth_type, shifted_rate

@@ -6,8 +6,8 @@ module geartrain_floquet_leading_multipliers
    use geartrain_floquet_slow_multipliers, only: slow_multipliers_type
    use geartrain_floquet_vector_propagator, only: vector_propagator_type
    use geartrain_linalg_arnoldi, only: arnoldi_type
-   use geartrain_model_alike, only: share_alike
-   use geartrain_model_system, only: system_type
+   use geartrain_network_alike, only: share_alike
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: leading, leading_multipliers_type

@@ -12,7 +12,7 @@ module geartrain_floquet_monodromy
    use geartrain_floquet_time_reversal, only: time_reversal_type
    use geartrain_linalg_elimination, only: factor_matrix
    use geartrain_linalg_lapack, only: dgemm
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: monodromy_type

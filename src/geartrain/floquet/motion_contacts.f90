@@ -2,8 +2,8 @@
 module geartrain_floquet_motion_contacts
    use geartrain_base_kinds, only: dp
    use geartrain_mesh_law_contact, only: contact_type
-   use geartrain_model_long_period, only: long_period
-   use geartrain_model_system, only: system_type
+   use geartrain_network_long_period, only: long_period
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: motion_contacts_type

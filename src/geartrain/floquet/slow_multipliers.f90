@@ -16,9 +16,9 @@ module geartrain_floquet_slow_multipliers
    use geartrain_base_sorting, only: ascending
    use geartrain_linalg_eigenvalues, only: find_eigenvalues
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
-   use geartrain_model_lowest_modes, only: lowest_modes_type
-   use geartrain_model_spectrum, only: make_pencil, pencil_type
-   use geartrain_model_system, only: system_type
+   use geartrain_network_lowest_modes, only: lowest_modes_type
+   use geartrain_network_system, only: system_type
+   use geartrain_network_system_spectrum, only: make_pencil, pencil_type
    implicit none (type, external)
    private
    public :: slow_multipliers_type

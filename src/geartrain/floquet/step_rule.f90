@@ -7,8 +7,8 @@
 module geartrain_floquet_step_rule
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_chebyshev_exponential, only: chebyshev_exponential_type
-   use geartrain_model_spectrum, only: largest_eigenvalue
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
+   use geartrain_network_system_spectrum, only: largest_eigenvalue
    implicit none (type, external)
    private
    public :: most_terms, step_rule_type

@@ -9,7 +9,7 @@ module geartrain_floquet_time_reversal
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_linalg_lapack, only: dgemm
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: time_reversal_type

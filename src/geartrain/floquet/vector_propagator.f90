@@ -7,7 +7,7 @@ module geartrain_floquet_vector_propagator
    use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_step_rule, only: most_terms, step_rule_type
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: vector_propagator_type

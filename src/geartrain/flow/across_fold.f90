@@ -11,7 +11,7 @@ module geartrain_flow_across_fold
    use geartrain_floquet_multipliers, only: multipliers_of, side_of_fold
    use geartrain_flow_orbit, only: propagate
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: look_beyond_fold

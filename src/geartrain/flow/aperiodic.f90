@@ -10,7 +10,7 @@ module geartrain_flow_aperiodic
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: is_leaving
    use geartrain_flow_spectrum, only: lyapunov_spectrum
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: aperiodic_type

@@ -12,7 +12,7 @@ module geartrain_flow_attraction
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: attraction_type

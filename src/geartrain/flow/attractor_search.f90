@@ -7,7 +7,7 @@ module geartrain_flow_attractor_search
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: begin_tangents, flow_order, flow_tolerance
    use geartrain_flow_shooting, only: find_orbit, newton_step
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: attractor_search_type, find_period, likely_periods, longest_period, most_others, most_states, most_steps

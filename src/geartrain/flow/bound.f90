@@ -4,9 +4,9 @@
 module geartrain_flow_bound
    use geartrain_base_kinds, only: dp
    use geartrain_flow_start_state, only: resting_state
-   use geartrain_model_spectrum, only: largest_eigenvalue
-   use geartrain_model_system, only: system_type
-   use geartrain_model_units, only: largest_drive
+   use geartrain_network_system, only: system_type
+   use geartrain_network_system_spectrum, only: largest_eigenvalue
+   use geartrain_network_units, only: largest_drive
    implicit none (type, external)
    private
    public :: bound_type

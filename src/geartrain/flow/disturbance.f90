@@ -2,8 +2,8 @@
 !> train, stays there, which no machine does.
 module geartrain_flow_disturbance
    use geartrain_base_kinds, only: dp
-   use geartrain_model_system, only: system_type
-   use geartrain_model_units, only: units_of, units_type
+   use geartrain_network_system, only: system_type
+   use geartrain_network_units, only: units_of, units_type
    implicit none (type, external)
    private
    public :: disturb

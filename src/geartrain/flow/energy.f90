@@ -2,7 +2,7 @@
 !> without damping keeps the energy, while the Euclidean norm oscillates between displacements and velocities.
 module geartrain_flow_energy
    use geartrain_base_kinds, only: dp
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: energy_type

@@ -3,8 +3,8 @@
 module geartrain_flow_floating
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
-   use geartrain_model_rows, only: rows_type
-   use geartrain_model_system, only: system_type
+   use geartrain_linalg_rows, only: rows_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: can_float, is_floating, note_of

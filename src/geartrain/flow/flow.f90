@@ -11,7 +11,7 @@ module geartrain_flow_flow
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_taylor, only: add_waves, last_term, recur, series_value, sum_series
    use geartrain_linalg_first_root, only: first_root
-   use geartrain_model_system, only: shear, system_type
+   use geartrain_network_system, only: shear, system_type
    implicit none (type, external)
    private
    public :: flow_type

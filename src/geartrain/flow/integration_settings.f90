@@ -1,7 +1,7 @@
 !> The variables of &integration, which every settling uses.
 module geartrain_flow_integration_settings
    use geartrain_base_kinds, only: dp
-   use geartrain_model_frequency_unit, only: unit_length
+   use geartrain_network_frequency_unit, only: unit_length
    implicit none (type, external)
    private
    public :: integration_settings_type

@@ -5,8 +5,8 @@ module geartrain_flow_lyapunov
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
-   use geartrain_model_system, only: system_type
-   use geartrain_model_units, only: mesh_frequencies
+   use geartrain_network_system, only: system_type
+   use geartrain_network_units, only: mesh_frequencies
    implicit none (type, external)
    private
    public :: exponent_of, find_exponent, kind_of, largest_exponent, settled_part

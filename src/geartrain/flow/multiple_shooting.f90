@@ -7,7 +7,7 @@ module geartrain_flow_multiple_shooting
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: states_of
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: find_orbit_in_sections, has_converged, max_iterations, most_parts, section_states

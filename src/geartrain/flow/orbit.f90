@@ -12,8 +12,8 @@ module geartrain_flow_orbit
    use geartrain_flow_window, only: cycle_time
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: transform_length
-   use geartrain_model_excitation, only: excited_harmonics, reach_of_sources
-   use geartrain_model_system, only: system_type
+   use geartrain_network_excitation, only: excited_harmonics, reach_of_sources
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: begin_tangents, measure, memory_to_measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance

@@ -10,7 +10,7 @@ module geartrain_flow_orbit_search
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
    use geartrain_flow_shooting, only: find_orbit
    use geartrain_flow_start_state, only: resting_state
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: orbit_search_type

@@ -16,7 +16,7 @@ module geartrain_flow_recognition
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_shooting, only: find_orbit
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: recognition_type

@@ -13,7 +13,7 @@ module geartrain_flow_section_map
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: begin_tangents, flow_tolerance
    use geartrain_linalg_first_root, only: first_root
-   use geartrain_model_system, only: shear, system_type
+   use geartrain_network_system, only: shear, system_type
    implicit none (type, external)
    private
    public :: section_map_type

@@ -9,8 +9,8 @@ module geartrain_flow_sections
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: begin_tangents, flow_order, flow_tolerance
    use geartrain_linalg_bracket, only: between, shrink
-   use geartrain_model_system, only: system_type
-   use geartrain_model_units, only: units_of, units_type
+   use geartrain_network_system, only: system_type
+   use geartrain_network_units, only: units_of, units_type
    implicit none (type, external)
    private
    public :: sections_type

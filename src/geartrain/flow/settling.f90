@@ -20,8 +20,8 @@ module geartrain_flow_settling
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure, memory_to_measure, propagate
    use geartrain_flow_shooting, only: find_orbit
-   use geartrain_model_system, only: system_type
-   use geartrain_model_units, only: mesh_frequencies
+   use geartrain_network_system, only: system_type
+   use geartrain_network_units, only: mesh_frequencies
    implicit none (type, external)
    private
    public :: is_leaving, need_to_settle, settle

@@ -5,7 +5,7 @@ module geartrain_flow_shaft_torque
    use geartrain_base_series, only: wave_value
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_taylor, only: series_value
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: add_torques, linear_forces

@@ -15,11 +15,11 @@ module geartrain_flow_shooting
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: state_of
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
-   use geartrain_model_divide_orders, only: divide_orders
-   use geartrain_model_check, only: check_train
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
-   use geartrain_model_units, only: units_of, units_type
+   use geartrain_network_divide_orders, only: divide_orders
+   use geartrain_network_check_train, only: check_train
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_train, only: train_type
+   use geartrain_network_units, only: units_of, units_type
    implicit none (type, external)
    private
    public :: find_orbit, newton_step, refine

@@ -14,8 +14,8 @@ module geartrain_flow_slow_modes
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_start_state, only: resting_state
    use geartrain_linalg_lapack, only: dgeev, dgetrf, dgetrs
-   use geartrain_model_modes, only: state_matrix
-   use geartrain_model_system, only: system_type
+   use geartrain_network_natural_modes, only: state_matrix
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: slow_modes_type, stretches

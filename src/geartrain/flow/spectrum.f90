@@ -4,7 +4,7 @@ module geartrain_flow_spectrum
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_lyapunov, only: exponent_of, settled_part
    use geartrain_flow_section_map, only: section_map_type
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: lyapunov_spectrum, rotation_number

@@ -5,9 +5,9 @@ module geartrain_flow_start_state
    use geartrain_balance_repetition, only: repetitions_of
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_random, only: begin_random, generator_type
-   use geartrain_model_receptance, only: linear_displacements
-   use geartrain_model_system, only: system_type
-   use geartrain_model_units, only: mesh_frequencies
+   use geartrain_network_receptance, only: linear_displacements
+   use geartrain_network_system, only: system_type
+   use geartrain_network_units, only: mesh_frequencies
    implicit none (type, external)
    private
    public :: random_state, resting_state, state_of, states_of

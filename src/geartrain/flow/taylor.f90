@@ -1,7 +1,7 @@
 !> Taylor series in time of the excitation, and of the solution of the equations of motion with constant contacts.
 module geartrain_flow_taylor
    use geartrain_base_kinds, only: dp
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: add_waves, last_term, recur, series_value, sum_series

@@ -20,7 +20,7 @@ module geartrain_flow_time_constants
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
    use geartrain_flow_slow_modes, only: slow_modes_type, stretches
    use geartrain_flow_window, only: cycle_time, window_of
-   use geartrain_model_system, only: system_type
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: find_in_window, negligible, settle_by_time, settled_type

@@ -7,8 +7,8 @@ module geartrain_flow_waveform
    use geartrain_flow_shaft_torque, only: add_torques, linear_forces
    use geartrain_flow_start_state, only: states_of
    use geartrain_linalg_trigonometric, only: evaluate
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: waveform

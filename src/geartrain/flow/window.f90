@@ -7,8 +7,8 @@
 !> window as well.
 module geartrain_flow_window
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_model_excitation, only: excited_harmonics, lowest_harmonic
-   use geartrain_model_system, only: system_type
+   use geartrain_network_excitation, only: excited_harmonics, lowest_harmonic
+   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: cycle_time, goes_by_windows, window_of

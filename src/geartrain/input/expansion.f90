@@ -1,8 +1,8 @@
 !> Problems of the bodies and meshes for which a planetary set stands: a case file has the set only, so a message names the set.
 module geartrain_input_expansion
    use geartrain_base_problems, only: problems_type
-   use geartrain_model_planetary_expansion, only: expansion_type
-   use geartrain_model_planetary_meshes, only: sun_meshes
+   use geartrain_drawing_planetary_expansion, only: expansion_type
+   use geartrain_drawing_planetary_meshes, only: sun_meshes
    implicit none (type, external)
    private
    public :: name_sets

@@ -6,17 +6,17 @@ module geartrain_input_reader
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_problems, only: problems_type
    use geartrain_base_regular_file, only: is_regular_file
+   use geartrain_drawing_planetary_expansion, only: expand_sets, expansion_type
    use geartrain_input_assigner, only: assigner_type
-   use geartrain_input_check, only: check_analyses
+   use geartrain_input_check_case, only: check_analyses
    use geartrain_input_expansion, only: name_sets
    use geartrain_input_order, only: check_order
    use geartrain_input_scanner, only: group_type, scan_text
    use geartrain_input_table, only: is_variable, list_variables, row_type, take_keyword, unknown_variable
    use geartrain_input_variables, only: groups, visit_output
-   use geartrain_model_check, only: check_consistency
-   use geartrain_model_planetary_expansion, only: expand_sets, expansion_type
-   use geartrain_model_planetary_variables, only: visit_planetary
-   use geartrain_model_variables, only: visit_body, visit_mesh, visit_shaft, visit_train
+   use geartrain_network_check_train, only: check_consistency
+   use geartrain_train_planetary_variables, only: visit_planetary
+   use geartrain_train_train_variables, only: visit_body, visit_mesh, visit_shaft, visit_train
    implicit none (type, external)
    private
    public :: read_case, read_case_text

@@ -4,8 +4,8 @@ module geartrain_input_template
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
    use geartrain_base_kinds, only: dp
    use geartrain_input_text, only: commented_text
-   use geartrain_model_mesh, only: mesh_type
-   use geartrain_model_shaft, only: shaft_type
+   use geartrain_train_mesh, only: mesh_type
+   use geartrain_train_shaft, only: shaft_type
    implicit none (type, external)
    private
    public :: template_text, paper_case

@@ -3,7 +3,7 @@ module geartrain_input_variables
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, results_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_model_variables, only: visit_model
+   use geartrain_train_train_variables, only: visit_model
    implicit none (type, external)
    private
    public :: groups, visit_case, visit_output

@@ -2,12 +2,12 @@
 module geartrain_report_case_notes
    use geartrain_base_field, only: text_type
    use geartrain_base_numbers, only: counted
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_drawing_warnings, only: find_warnings
-   use geartrain_model_error_phase, only: lacks_phase
-   use geartrain_model_train, only: train_type
-   use geartrain_report_names, only: list_numbers
-   use geartrain_report_sheet, only: in_quality, sheet_type
+   use geartrain_base_sheet, only: in_quality, sheet_type
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_drawing_error_phase, only: lacks_phase
+   use geartrain_report_drawing_warnings, only: find_warnings
+   use geartrain_train_names, only: list_numbers
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: say_error_phase, say_warnings

@@ -3,19 +3,19 @@ module geartrain_report_resonances
    use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: counted, fixed, significant, text
+   use geartrain_base_sheet, only: in_resonances, sheet_type
    use geartrain_base_sorting, only: ascending
-   use geartrain_continuation_branch, only: branch_type
-   use geartrain_continuation_decided, only: joined
-   use geartrain_continuation_summary, only: peak_type, peaks
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_frequency_unit, only: hertz_per_lambda
-   use geartrain_model_kinematics, only: all_toothed, find_kinematics, kinematics_type
-   use geartrain_model_labels, only: label_length
-   use geartrain_model_modes, only: modes_type
-   use geartrain_model_train, only: train_type
-   use geartrain_report_frequency_text, only: frequency_text_type, in_width
-   use geartrain_report_sheet, only: in_resonances, sheet_type
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_network_frequency_unit, only: hertz_per_lambda
+   use geartrain_network_natural_modes, only: modes_type
+   use geartrain_readings_frequency_text, only: frequency_text_type, in_width
+   use geartrain_readings_summary, only: peak_type, peaks
    use geartrain_report_sources, only: find_sources, sources_type
+   use geartrain_trace_branch, only: branch_type
+   use geartrain_trace_decided, only: joined
+   use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
+   use geartrain_train_labels, only: label_length
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: find_resonances, put_resonances, resonance_type

@@ -3,13 +3,13 @@ module geartrain_report_sources
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_series, only: series_type
-   use geartrain_model_bodies, only: body_count
-   use geartrain_model_drawing, only: plain_train
-   use geartrain_model_kinematics, only: find_kinematics, kinematics_type
-   use geartrain_model_labels, only: body_labels, label_length
-   use geartrain_model_system, only: build_system, system_type
-   use geartrain_model_train, only: train_type
-   use geartrain_report_names, only: list_numbers
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_bodies, only: body_count
+   use geartrain_train_kinematics, only: find_kinematics, kinematics_type
+   use geartrain_train_labels, only: body_labels, label_length
+   use geartrain_train_names, only: list_numbers
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: sources_type, find_sources

@@ -12,16 +12,17 @@ module geartrain_run_results
    use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: text
    use geartrain_base_plain_text, only: escaped
+   use geartrain_drawing_drawing, only: plain_train
    use geartrain_input_text, only: case_text
-   use geartrain_model_drawing, only: plain_train, state_count
-   use geartrain_model_drawing_warnings, only: warnings_text
-   use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
-   use geartrain_model_labels, only: held_labels, mesh_labels, shaft_labels
-   use geartrain_model_train, only: train_type
+   use geartrain_network_frequency_unit, only: hertz_per_lambda, speed_per_lambda
+   use geartrain_network_network, only: state_count
+   use geartrain_report_drawing_warnings, only: warnings_text
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
    use geartrain_results_hdf5_writer, only: hdf5_content
    use geartrain_results_seal, only: add_seal, check_replaceable, seal_bytes
+   use geartrain_train_labels, only: held_labels, mesh_labels, shaft_labels
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: open_results, results_bytes, take_results, visit_results, visit_root, write_results

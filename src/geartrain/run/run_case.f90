@@ -2,15 +2,15 @@
 module geartrain_run_run_case
    use geartrain_analyses_analysis, only: analysis_type, spoken
    use geartrain_analyses_dependencies, only: asks_refinement, follow_branches, locate_edges, refine_branches, take_known
-   use geartrain_report_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, leave_out, number_of, results_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input, status_memory
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_continuation_branch, only: branch_type
-   use geartrain_input_check, only: check_case
+   use geartrain_trace_branch, only: branch_type
+   use geartrain_input_check_case, only: check_case
    use geartrain_results_file, only: check_place, remove_temporary_files
    use geartrain_results_seal, only: check_replaceable
    use geartrain_run_checkpoint, only: check_partial, checkpoint_type, take_up_checkpoint

@@ -1,0 +1,90 @@
+!> The mean load of a train in a report: the torques, the mean mesh forces and the flanks that bear them.
+module geartrain_analyses_load_sentences
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: significant, text
+   use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_names, only: list_numbers
+   use geartrain_train_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: load_sides, say_load
+
+   !> Most torques and most mean forces that are named; smallest mean force that counts, over the largest [1].
+   integer, parameter :: most = 4
+   real(dp), parameter :: least = 1e-12_dp
+
+contains
+
+   !> Mean force of each mesh [N], negative on the coast flank, (mesh).
+   function mean_forces(train) result(force)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      real(dp) :: force(size(train%meshes))
+      type(system_type) :: system
+
+      call build_system(train, system)
+      associate (n => system%mesh_element)
+         force = system%static_force(n)*system%stiffness(n)*system%characteristic_length
+      end associate
+      where (abs(force) <= least*maxval(abs(force))) force = 0
+   end function mean_forces
+
+   !> Flank that bears the mean load of each mesh: 1 the drive flank, -1 the coast flank, 0 none, (mesh).
+   function load_sides(train) result(sides)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      integer :: sides(size(train%meshes))
+
+      associate (force => mean_forces(train))
+         sides = 0
+         where (force > 0) sides = 1
+         where (force < 0) sides = -1
+      end associate
+   end function load_sides
+
+   !> The line on the load: 'Load: 90 N m on motor, balanced by load; mean mesh forces 3231 N, 7547 N'.
+   subroutine say_load(train, words)
+      !> A train that has passed `check_train`.
+      type(train_type), intent(in) :: train
+      !> The line.
+      character(:), allocatable, intent(out) :: words
+      real(dp) :: force(size(train%meshes))
+      character(:), allocatable :: balancing, list
+      integer :: i, n
+
+      force = mean_forces(train)
+      words = 'Load: '
+      if (allocated(train%bodies)) then
+         balancing = ''
+         n = 0
+         do i = 1, size(train%bodies)
+            associate (body => train%bodies(i))
+               if (body%balances) balancing = body%name
+               if (body%balances .or. .not. abs(body%torque) > 0) cycle
+               n = n + 1
+               if (n > most) cycle
+               if (n > 1) words = words//', '
+               words = words//significant(body%torque)//' N m on '//body%name
+            end associate
+         end do
+         if (n > most) words = words//', and '//text(n - most)//' more torques'
+         if (n == 0) words = words//'none'
+         if (n > 0) words = words//', balanced by '//balancing
+      else
+         words = words//'input torque '//significant(train%input_torque)//' N m'
+      end if
+      if (size(force) <= most .and. any(abs(force) > 0)) then
+         words = words//'; mean mesh '//trim(merge('force ', 'forces', size(force) == 1))//' '
+         do i = 1, size(force)
+            if (i > 1) words = words//', '
+            words = words//significant(force(i))
+         end do
+         words = words//' N'
+      end if
+      call list_numbers(force < 0, 'mesh', 'meshes', list)
+      if (list == '') return
+      if (all(force < 0)) list = trim(merge('the mesh  ', 'all meshes', size(force) == 1))
+      words = words//'; on the coast flanks of '//list
+   end subroutine say_load
+
+end module geartrain_analyses_load_sentences

@@ -1,0 +1,89 @@
+!> Torque of each shaft over a period of a harmonic balance: mean and extremes.
+module geartrain_balance_balanced_torque
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: extremes, fine_samples, own_resolution
+   use geartrain_network_receptance, only: amplitude_at, linear_displacements
+   implicit none (type, external)
+   private
+   public :: find_shaft_torques, shaft_coefficients
+
+contains
+
+   !> Finds mean, minimum and maximum of the torque of each shaft [N m], (shaft); NaN where nothing determines the torque.
+   subroutine find_shaft_torques(balance, transform, mean, minimum, maximum)
+      !> The balance, last evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> Planned for `fine_samples` of the harmonics of the balance, planned anew where it carries a set of harmonics; its samples
+      !> are overwritten.
+      type(transform_type), intent(inout) :: transform
+      !> Torques [N m], positive where the first body of the shaft drives the second.
+      real(dp), intent(out) :: mean(:), minimum(:), maximum(:)
+      real(dp) :: coefficients(balance%block, size(mean))
+      integer :: s
+
+      call shaft_coefficients(balance, coefficients)
+      mean = coefficients(1, :)
+      do s = 1, size(mean)
+         if (balance%system%torque_paths%known(s)) then
+            if (balance%chosen) call transform%plan(fine_samples(own_resolution(coefficients(:, s), balance%harmonic)))
+            call extremes(coefficients(:, s), balance%harmonic, transform, minimum(s), maximum(s))
+         else
+            mean(s) = ieee_value(mean(s), ieee_quiet_nan)
+            minimum(s) = mean(s)
+            maximum(s) = mean(s)
+         end if
+      end do
+   end subroutine find_shaft_torques
+
+   !> Finds mean, cos and sin of each carried harmonic of the torque of each shaft [N m], (block, shaft).
+   pure subroutine shaft_coefficients(balance, coefficients)
+      !> The balance, last evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> The coefficients.
+      real(dp), intent(out) :: coefficients(:, :)
+      real(dp) :: force(balance%system%elements)
+      complex(dp) :: amplitude(balance%system%elements), total
+      integer :: i, k, n, s
+
+      associate (system => balance%system, paths => balance%system%torque_paths)
+         ! phi of every element: the displacement of a shaft is relative to its displacement at rest.
+         do i = 1, system%elements
+            force(i) = system%static_force(i) + system%spring(i)*system%mean%linear_displacement(system%cut, i, &
+                                                                                                balance%force(1, :), &
+                                                                                                system%static_force)
+         end do
+         force(system%cut%element) = balance%force(1, :)
+         do s = 1, paths%rows
+            coefficients(1, s) = paths%constant(s)
+            do i = paths%first(s), paths%first(s + 1) - 1
+               n = paths%element(i)
+               coefficients(1, s) = coefficients(1, s) + paths%gain(i)*system%stiffness(n)*system%characteristic_length*force(n)
+            end do
+         end do
+         do k = 1, size(balance%harmonic)
+            associate (r => balance%harmonic(k))
+               amplitude = 0
+               call linear_displacements(system, balance%frequency_ratio, r, balance%eta, &
+                                         cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitude)
+               amplitude = cmplx(system%spring, r*balance%frequency_ratio/balance%eta*system%damping, dp)*amplitude
+               amplitude(system%cut%element) = cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp)
+               do s = 1, paths%rows
+                  total = 0
+                  do i = paths%first(s), paths%first(s + 1) - 1
+                     n = paths%element(i)
+                     total = total + paths%gain(i)*system%stiffness(n)*amplitude(n)
+                  end do
+                  do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
+                     total = total + paths%torque_gain(i)*amplitude_at(system%torque(paths%torque(i)), r, balance%eta)
+                  end do
+                  coefficients(2*k:2*k + 1, s) = system%characteristic_length*[total%re, -total%im]
+               end do
+            end associate
+         end do
+      end associate
+   end subroutine shaft_coefficients
+
+end module geartrain_balance_balanced_torque

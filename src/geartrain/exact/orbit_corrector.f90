@@ -1,0 +1,354 @@
+!> The exact branch, to check a branch of the balance against: orbits by shooting as a curve in state and Lambda, through folds.
+module geartrain_exact_orbit_corrector
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_repetition, only: take_one
+   use geartrain_base_kinds, only: dp
+   use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_network_divide_orders, only: divide_orders
+   use geartrain_network_units, only: units_of, units_type
+   use geartrain_floquet_multipliers, only: eigenvalues
+   use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, most_parts, section_states
+   use geartrain_flow_sections, only: sections_type
+   use geartrain_linalg_bracket, only: between, shrink
+   use geartrain_network_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: depth_of, orbit_type, orbit_corrector_type, orbit_test_type, resolution
+
+   !> Cosine of the largest angle between the tangents at the ends of a step [1].
+   real(dp), parameter :: least_cosine = 0.8_dp
+   !> Orbits closer than this in the metric are equal: about ten times the error of shooting [units_type].
+   real(dp), parameter :: resolution = 1e-10_dp
+   integer, parameter :: max_steps = 60
+   !> Half of the distance of the orbits around a blurred zero [units_type].
+   real(dp), parameter :: around = 1e-4_dp
+   !> Least Lambda at the end of a step, over Lambda at its beginning [1].
+   real(dp), parameter :: slowest = 0.5_dp
+
+   !> A point of the exact branch.
+   type :: orbit_type
+      !> Lambda [1], of one repetition (see orbit_corrector_type).
+      real(dp) :: frequency_ratio = 0
+      !> Dimensionless states at the beginnings of the sections of the period, (state, section).
+      real(dp), allocatable :: states(:, :)
+      !> Unit tangent: its parts of Lambda and of the states, (state, section).
+      real(dp) :: tangent_frequency = 0
+      real(dp), allocatable :: tangent(:, :)
+      !> Multipliers over one repetition, largest magnitude first, (state).
+      complex(dp), allocatable :: multipliers(:)
+      !> Distance of the displacement of the watched mesh from the contact that is watched, negative with this contact [1].
+      real(dp) :: depth = 0
+   end type orbit_type
+
+   type :: orbit_corrector_type
+      !> The train, its orders divided by `times`.
+      type(system_type), pointer :: system => null()
+      !> Period of the branch [periods of the fundamental].
+      integer :: period = 1
+      !> Number of repetitions of a motion within the period: an orbit is one repetition, at `times` the Lambda of the branch.
+      integer :: times = 1
+      !> Number of the mesh whose contact is watched, 0: none; whether its back flanks are, else its separation.
+      integer :: watched_mesh = 0
+      logical :: watches_back = .false.
+      !> Units of the metric.
+      type(units_type) :: units
+      !> Sections for shooting at constant Lambda, and for shooting along the branch.
+      type(sections_type), private :: fixed, moving
+      !> Metric of the states, (state, section).
+      real(dp), allocatable, private :: weight(:, :)
+   contains
+      procedure :: setup
+      procedure :: first_guess
+      procedure :: distance
+      procedure :: point_at
+      procedure :: solve_at
+      procedure :: correct
+      procedure :: advance
+      procedure :: find_zero
+      procedure, private :: find_multipliers
+   end type orbit_corrector_type
+
+   !> A test function: it changes sign at the orbit that is sought.
+   type, abstract :: orbit_test_type
+      !> Two branches cross at its zero, next to which shooting fails: the chord of the step leads there.
+      logical :: singular = .false.
+      !> Several branches cross at its zero, next to which shooting is blurred by rounding: the orbit is taken from those around it.
+      logical :: blurred = .false.
+   contains
+      procedure(value_interface), deferred :: value
+   end type orbit_test_type
+
+   abstract interface
+      pure real(dp) function value_interface(self, orbit)
+         import :: dp, orbit_test_type, orbit_type
+         implicit none (type, external)
+         class(orbit_test_type), intent(in) :: self
+         !> An orbit with tangent and multipliers.
+         type(orbit_type), intent(in) :: orbit
+      end function value_interface
+   end interface
+
+contains
+
+   !> Prepares for the orbits of a branch.
+   subroutine setup(self, system, period, times)
+      ! A thread's private variable has garbage where its type has default values (gfortran 12): intent(out) sets them.
+      class(orbit_corrector_type), intent(out) :: self
+      !> The train, a copy for this corrector alone: its orders are divided by `times`.
+      type(system_type), pointer, intent(in) :: system
+      !> Period of the branch [periods of the fundamental]; how often its motions go through their waveform within it.
+      integer, intent(in) :: period, times
+      integer :: parts
+
+      self%system => system
+      self%period = period
+      self%times = times
+      call divide_orders(self%times, self%system)
+      self%units = units_of(system)
+      parts = most_parts(system, period)
+      call self%fixed%setup(self%system, period, parts, moves=.false.)
+      call self%moving%setup(self%system, period, parts, moves=.true.)
+      associate (n => system%displacements, m => self%fixed%sections)
+         allocate (self%weight(system%states, m))
+         self%weight(:n, :) = 1/(m*self%units%length**2)
+         self%weight(n + 1:, :) = 1/(m*(self%units%length*self%units%frequency_ratio)**2)
+      end associate
+   end subroutine setup
+
+   !> First guess of an orbit from a motion.
+   subroutine first_guess(self, motion, orbit)
+      class(orbit_corrector_type), intent(inout) :: self
+      !> A motion of period `period`, with coefficients or state.
+      type(motion_type), intent(in) :: motion
+      !> Lambda and states, without tangent and multipliers.
+      type(orbit_type), intent(out) :: orbit
+      type(motion_type) :: one
+
+      one = motion
+      if (self%times > 1) call take_one(self%times, one)
+      orbit%frequency_ratio = one%frequency_ratio
+      call section_states(self%system, one, self%fixed, orbit%states)
+   end subroutine first_guess
+
+   !> Distance of two orbits in the metric: mean square over the sections plus the square of Lambda, in their units [units_type].
+   pure real(dp) function distance(self, a, b)
+      class(orbit_corrector_type), intent(in) :: self
+      !> The two orbits.
+      type(orbit_type), intent(in) :: a, b
+
+      distance = sqrt(sum(self%weight*(a%states - b%states)**2) &
+                      + ((a%frequency_ratio - b%frequency_ratio)/self%units%frequency_ratio)**2)
+   end function distance
+
+   !> Makes the tangent of an orbit the unit vector along a chord.
+   subroutine point_at(self, before, after, orbit, way)
+      class(orbit_corrector_type), intent(in) :: self
+      !> The two ends of the chord.
+      type(orbit_type), intent(in) :: before, after
+      !> Gets the tangent; unchanged where `way` is 0.
+      type(orbit_type), intent(inout) :: orbit
+      !> Length of the chord [units_type].
+      real(dp), intent(out) :: way
+
+      way = self%distance(before, after)
+      if (.not. way > 0) return
+      orbit%tangent = (after%states - before%states)/way
+      orbit%tangent_frequency = (after%frequency_ratio - before%frequency_ratio)/way
+   end subroutine point_at
+
+   !> Shooting at constant Lambda.
+   subroutine solve_at(self, orbit, success)
+      class(orbit_corrector_type), intent(inout) :: self
+      !> A guess; then the orbit with its multipliers, the tangent unchanged.
+      type(orbit_type), intent(inout) :: orbit
+      !> Newton's method has converged.
+      logical, intent(out) :: success
+      real(dp) :: last
+
+      call find_orbit_in_sections(self%fixed, orbit%frequency_ratio, orbit%states, last, success)
+      if (success) call self%find_multipliers(self%fixed, orbit)
+   end subroutine solve_at
+
+   !> Shooting in the hyperplane through `orbit` normal to its tangent.
+   subroutine correct(self, orbit, success)
+      class(orbit_corrector_type), intent(inout) :: self
+      !> A guess with tangent; then the orbit with its multipliers, and its tangent in the direction of the former tangent.
+      type(orbit_type), intent(inout) :: orbit
+      !> Newton's method has converged.
+      logical, intent(out) :: success
+      real(dp) :: tangent(size(orbit%states, 1), size(orbit%states, 2)), tangent_frequency, length, last
+
+      call find_orbit_in_sections(self%moving, orbit%frequency_ratio, orbit%states, last, success, self%weight*orbit%tangent, &
+                      orbit%tangent_frequency/self%units%frequency_ratio**2, tangent, tangent_frequency)
+      if (.not. success) return
+      length = sqrt(sum(self%weight*tangent**2) + (tangent_frequency/self%units%frequency_ratio)**2)
+      orbit%tangent = tangent/length
+      orbit%tangent_frequency = tangent_frequency/length
+      call self%find_multipliers(self%moving, orbit)
+      if (self%watched_mesh == 0) return
+      orbit%depth = depth_of(self%moving, orbit%frequency_ratio, orbit%states, self%watched_mesh, &
+                             self%system%half_backlash(self%watched_mesh), self%watches_back)
+   end subroutine correct
+
+   !> Least distance of the displacement of a mesh from separation, or from a contact of its back flanks, over characteristic length
+   !> [1]; see depth_below.
+   real(dp) function depth_of(flight, frequency_ratio, states, mesh, half_backlash, back)
+      !> Flights of the train.
+      type(sections_type), intent(inout) :: flight
+      !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
+      real(dp), intent(in) :: frequency_ratio, states(:, :)
+      !> Number of the mesh.
+      integer, intent(in) :: mesh
+      !> Half of its backlash over characteristic length [1].
+      real(dp), intent(in) :: half_backlash
+      !> Contact of the back flanks; else separation.
+      logical, intent(in) :: back
+      real(dp) :: smallest, largest
+
+      call flight%extremes(frequency_ratio, states, mesh, smallest, largest)
+      depth_of = depth_below(smallest, largest, half_backlash, back)
+   end function depth_of
+
+   subroutine find_multipliers(self, sections, orbit)
+      class(orbit_corrector_type), intent(in) :: self
+      type(sections_type), intent(inout) :: sections
+      type(orbit_type), intent(inout) :: orbit
+
+      if (.not. allocated(orbit%multipliers)) allocate (orbit%multipliers(size(orbit%states, 1)))
+      call eigenvalues(sections%monodromy, orbit%multipliers)
+   end subroutine find_multipliers
+
+   !> One step along the branch: predictor and corrector.
+   subroutine advance(self, from, h, to, success)
+      class(orbit_corrector_type), intent(inout) :: self
+      !> An orbit with tangent.
+      type(orbit_type), intent(in) :: from
+      !> Length of the predictor step [units_type].
+      real(dp), intent(in) :: h
+      !> The next orbit, with tangent and multipliers; no orbit unless `success`.
+      type(orbit_type), intent(inout) :: to
+      !> Shooting has converged, and the tangent turns by less than `least_cosine`: else it may be another branch.
+      logical, intent(out) :: success
+
+      to = from
+      to%states = from%states + h*from%tangent
+      to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
+      ! Near Lambda = 0 the period is too long to be integrated.
+      success = to%frequency_ratio > slowest*from%frequency_ratio
+      if (success) call self%correct(to, success)
+      if (success) success = sum(self%weight*from%tangent*to%tangent) &
+                             + from%tangent_frequency*to%tangent_frequency/self%units%frequency_ratio**2 > least_cosine
+   end subroutine advance
+
+   !> Finds the orbit between two orbits of a step at which a test function is zero.
+   subroutine find_zero(self, test, here, h, last, orbit, success)
+      class(orbit_corrector_type), intent(inout) :: self
+      !> The test function, of different signs at `here` and `last`.
+      class(orbit_test_type), intent(in) :: test
+      !> The orbit at the beginning of the step.
+      type(orbit_type), intent(in) :: here
+      !> Length of the step [units_type].
+      real(dp), intent(in) :: h
+      !> The orbit at the end of the step.
+      type(orbit_type), intent(in) :: last
+      !> The orbit at which the test function is zero, to `resolution`; of a singular test a guess of it.
+      type(orbit_type), intent(inout) :: orbit
+      !> Shooting has converged.
+      logical, intent(out) :: success
+      real(dp) :: a, b, fa, fb, f, s
+      integer :: i, kept
+
+      a = 0
+      b = h
+      fa = test%value(here)
+      fb = test%value(last)
+      kept = 0
+      if (test%singular) then
+         s = fa/(fa - fb)
+         orbit = here
+         orbit%states = (1 - s)*here%states + s*last%states
+         orbit%frequency_ratio = (1 - s)*here%frequency_ratio + s*last%frequency_ratio
+         success = .true.
+         return
+      end if
+      do i = 1, max_steps
+         s = between(a, b, fa, fb)
+         call self%advance(here, s, orbit, success)
+         ! Next to a blurred zero shooting may fail.
+         if (test%blurred .and. .not. success) exit
+         if (.not. success) return
+         f = test%value(orbit)
+         if (abs(f) <= tiny(f)) return
+         call shrink(a, b, fa, fb, s, f, kept)
+         if (b - a < merge(around, resolution, test%blurred)) exit
+      end do
+      if (test%blurred) call interpolate_zero(self, test, here, s, orbit, success)
+   end subroutine find_zero
+
+   !> The zero of a test function near the distance `s` from an orbit, by a cubic through four orbits around it.
+   subroutine interpolate_zero(self, test, here, s, orbit, success)
+      class(orbit_corrector_type), intent(inout) :: self
+      class(orbit_test_type), intent(in) :: test
+      type(orbit_type), intent(in) :: here
+      real(dp), intent(in) :: s
+      type(orbit_type), intent(inout) :: orbit
+      logical, intent(out) :: success
+      real(dp), parameter :: place(4) = [-3, -1, 1, 3]
+      type(orbit_type) :: near(4)
+      real(dp) :: f(4), share(4), x, x_before, y, y_before, step
+      integer :: i
+
+      do i = 1, size(place)
+         call self%advance(here, s + around*place(i), near(i), success)
+         if (.not. success) return
+         f(i) = test%value(near(i))
+      end do
+      ! The secant method on the cubic.
+      x_before = place(1)
+      y_before = f(1)
+      x = 0
+      do i = 1, max_steps
+         share = shares(x)
+         y = sum(share*f)
+         if (.not. abs(y - y_before) > 0) exit
+         step = y*(x - x_before)/(y - y_before)
+         x_before = x
+         y_before = y
+         x = x - step
+         if (abs(step) < 1e-10_dp) exit
+      end do
+      success = abs(x) < maxval(place)
+      if (.not. success) return
+      share = shares(x)
+      orbit = here
+      orbit%states = 0
+      orbit%tangent = 0
+      do i = 1, size(place)
+         orbit%states = orbit%states + share(i)*near(i)%states
+         orbit%tangent = orbit%tangent + share(i)*near(i)%tangent
+      end do
+      orbit%frequency_ratio = sum(share*near%frequency_ratio)
+      orbit%tangent_frequency = sum(share*near%tangent_frequency)
+      call self%moving%fly(orbit%frequency_ratio, orbit%states)
+      success = .not. self%moving%interrupted()
+      if (success) call self%find_multipliers(self%moving, orbit)
+
+   contains
+
+      !> Share of each orbit in the cubic at x.
+      pure function shares(x)
+         real(dp), intent(in) :: x
+         real(dp) :: shares(size(place))
+         integer :: j, k
+
+         shares = 1
+         do j = 1, size(place)
+            do k = 1, size(place)
+               if (k /= j) shares(j) = shares(j)*(x - place(k))/(place(j) - place(k))
+            end do
+         end do
+      end function shares
+
+   end subroutine interpolate_zero
+
+end module geartrain_exact_orbit_corrector

@@ -1,0 +1,346 @@
+!> The motion of a train while Lambda goes linearly in time from one value to another.
+module geartrain_flow_ramped_flow
+   use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+   use, intrinsic :: iso_fortran_env, only: int64
+   use geartrain_base_error, only: error_type
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_memory, only: need
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_flow_bound, only: bound_type
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_flow_ramp, only: ramp_type
+   use geartrain_flow_taylor, only: add_waves, series_value
+   use geartrain_linalg_first_root, only: polynomial, root_between
+   use geartrain_network_excitation, only: excited_harmonics, reach_of_sources
+   use geartrain_network_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
+
+   !> Samples by default: of a period of the fastest mesh, of the highest excited harmonic, of the fastest vibration of a mesh
+   !> alone.
+   integer, parameter :: samples_per_tooth = 32, samples_per_harmonic = 4, samples_per_vibration = 8
+   !> Most samples of a run-up.
+   integer, parameter :: most_samples = 100000000
+
+   !> A run-up as far as it is computed; the arrays have room for the whole run-up.
+   type :: run_up_type
+      !> Numbers of equidistant samples and of windows that are done (geartrain_flow_ramp).
+      integer :: samples = 0, windows = 0
+      !> Period of the steady motion with which the run-up begins [periods of the fundamental]; 0: no steady motion was found.
+      integer :: start_period = 0
+      !> Time for which it settled by the time constants of the train before it begins [s]; 0: it did not.
+      real(dp) :: start_settling = 0
+      !> Amplitude of slow free vibrations as it begins, over the alternating displacement [1]; negative: not known.
+      real(dp) :: start_ringing = -1
+      !> Time [s] and Lambda [1], (sample).
+      real(dp), allocatable :: time(:), frequency_ratio(:)
+      !> Mesh displacements over b_c [1] and mesh forces with damping [N], (mesh, sample); torques of the shafts [N m], (shaft,
+      !> sample), NaN where rigid shafts side by side leave it undetermined.
+      real(dp), allocatable :: displacement(:, :), mesh_force(:, :), shaft_torque(:, :)
+      !> Time of the middle of each window [s], (window).
+      real(dp), allocatable :: window_time(:)
+      !> Extremes over each window, not only of the samples, of the mesh forces [N], (mesh, window), and of the torques of the
+      !> shafts [N m], (shaft, window).
+      real(dp), allocatable :: force_minimum(:, :), force_maximum(:, :), torque_minimum(:, :), torque_maximum(:, :)
+      !> State at the end of the last window that is done [1], (state); the twists of shafts are less those at rest at constant
+      !> speed.
+      real(dp), allocatable :: state(:)
+      !> Why the run-up ended; not allocated: it is under way.
+      character(:), allocatable :: ended
+      !> Whether the end of the ramp was reached.
+      logical :: complete = .false.
+   end type run_up_type
+
+contains
+
+   !> Number of samples of a period of the fundamental at the highest speed that shows what a train does.
+   pure integer function automatic_samples(system, ramp) result(samples)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> The ramp.
+      type(ramp_type), intent(in) :: ramp
+      real(dp) :: vibration
+      integer :: j
+
+      vibration = sqrt(maxval([(system%own(system%mesh_element(j))*system%law(j)%stiffest(), j=1, system%meshes)]))
+      samples = max(samples_per_tooth*reach_of_sources(system), &
+                    samples_per_harmonic*min(most_samples, maxval([1, excited_harmonics(system)])), &
+                    ceiling(min(1e8_dp, samples_per_vibration*vibration/max(ramp%start, ramp%stop))))
+   end function automatic_samples
+
+   !> Makes room for a whole run-up and keeps what is done. Whether memory will suffice is found out here, not after hours.
+   subroutine make_room(system, ramp, samples, shafts, result, error)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> The ramp.
+      type(ramp_type), intent(in) :: ramp
+      !> Samples of a period of the fundamental at the highest speed; number of shafts, rigid ones included, and of held bodies.
+      integer, intent(in) :: samples, shafts
+      !> Gets its arrays.
+      type(run_up_type), intent(inout) :: result
+      type(error_type), allocatable, intent(inout) :: error
+      ! Number of copies: the result, the fields, a field on its way and the bytes of the file.
+      integer(int64), parameter :: times = 4
+      real(dp) :: intervals, bytes
+      integer :: n
+
+      intervals = ceiling(ramp%duration*max(ramp%start, ramp%stop)/(2*pi)*samples*(1 - 1e-12_dp), int64)
+      bytes = 8*times*((intervals + 1)*(3 + 2*system%meshes + shafts) + ramp%windows*real(1 + 2*system%meshes + 2*shafts, dp))
+      call need(merge(bytes, huge(bytes), intervals < most_samples), 'run up: no memory for '//text(intervals)//' samples', &
+                'take fewer samples or a shorter duration', error)
+      if (allocated(error)) return
+      n = int(intervals) + 1
+      call lengthen(result%time, n)
+      call lengthen(result%frequency_ratio, n)
+      call widen(result%displacement, system%meshes, n)
+      call widen(result%mesh_force, system%meshes, n)
+      call widen(result%shaft_torque, shafts, n)
+      call lengthen(result%window_time, ramp%windows)
+      call widen(result%force_minimum, system%meshes, ramp%windows)
+      call widen(result%force_maximum, system%meshes, ramp%windows)
+      call widen(result%torque_minimum, shafts, ramp%windows)
+      call widen(result%torque_maximum, shafts, ramp%windows)
+   end subroutine make_room
+
+   subroutine lengthen(values, length)
+      real(dp), allocatable, intent(inout) :: values(:)
+      integer, intent(in) :: length
+      real(dp), allocatable :: longer(:)
+
+      allocate (longer(length))
+      if (allocated(values)) longer(:size(values)) = values
+      call move_alloc(longer, values)
+   end subroutine lengthen
+
+   subroutine widen(values, rows, length)
+      real(dp), allocatable, intent(inout) :: values(:, :)
+      integer, intent(in) :: rows, length
+      real(dp), allocatable :: wider(:, :)
+
+      allocate (wider(rows, length))
+      if (allocated(values)) wider(:, :size(values, 2)) = values
+      call move_alloc(wider, values)
+   end subroutine widen
+
+   !> Follows the ramp window by window, from the windows done on, and says why it ended.
+   subroutine follow_ramp(system, shift, ramp, result, observer)
+      !> The train, accelerating.
+      type(system_type), target, intent(in) :: system
+      !> State of the system less the state as it is told [1], (state).
+      real(dp), intent(in) :: shift(:)
+      !> The ramp.
+      type(ramp_type), intent(in) :: ramp
+      !> With room for all samples, and the state at the end of the windows done.
+      type(run_up_type), intent(inout) :: result
+      !> Told of 'run up' after each window; may end the run-up.
+      class(observer_type), intent(inout), optional :: observer
+      type(flow_type) :: flow
+      type(bound_type) :: bound
+      real(dp) :: limit, reached
+      integer :: window, first
+      logical :: keep_going
+
+      call flow%setup(system, 1, flow_order, flow_tolerance)
+      flow%x(1, :) = result%state + shift
+      call bound%setup(system, max(ramp%start, ramp%stop))
+      limit = bound%limit()  ! not of the state, so that a run-up that is taken up ends where it would have ended
+      reached = ramp%speed_of(result%windows + 1)
+      keep_going = .true.
+      do window = result%windows + 1, ramp%windows
+         if (.not. keep_going) exit
+         first = result%samples
+         call pass_window(flow, ramp, window, result)
+         if (system%interrupt%raised() .or. .not. bound%holds(flow%x(1, :), limit)) then
+            result%samples = first
+            exit
+         end if
+         result%windows = window
+         result%state = flow%x(1, :) - shift
+         ! To the bits with which a checkpoint goes on.
+         flow%x(1, :) = result%state + shift
+         reached = merge(ramp%speed_of(window + 1), ramp%stop, window < ramp%windows)
+         if (present(observer)) call observer%on_step('run up', window, reached, keep_going)
+      end do
+      result%complete = result%windows == ramp%windows
+      if (result%complete) then
+         result%ended = 'reached Lambda = '//text(ramp%stop)
+      else if (system%interrupt%raised() .or. .not. keep_going) then
+         result%ended = 'cancelled at Lambda = '//text(reached)
+      else
+         result%ended = 'the motion grows without bound at Lambda = '//text(reached)
+      end if
+      if (flow%lost) result%ended = result%ended//'; too many contact events fell on one instant: the motion after it is a guess'
+   end subroutine follow_ramp
+
+   !> Flies over a window and records it; less far where the interrupt is raised.
+   subroutine pass_window(flow, ramp, window, result)
+      type(flow_type), intent(inout) :: flow
+      type(ramp_type), intent(in) :: ramp
+      integer, intent(in) :: window
+      type(run_up_type), intent(inout) :: result
+      real(dp) :: force(0:flow%order, flow%system%meshes), torque(0:flow%order, size(result%shaft_torque, 1)), origin, speed, &
+         begun, end
+      integer :: contact(flow%system%meshes), i
+
+      call ramp%place(window, origin, speed, begun, end)
+      associate (w => window, system => flow%system)
+         result%window_time(w) = (origin + (begun + end)/2)/system%characteristic_frequency
+         result%force_minimum(:, w) = huge(1.0_dp)
+         result%force_maximum(:, w) = -huge(1.0_dp)
+         result%torque_minimum(:, w) = huge(1.0_dp)
+         result%torque_maximum(:, w) = -huge(1.0_dp)
+         torque = ieee_value(origin, ieee_quiet_nan)
+         call flow%start(speed, begun, ramp%acceleration)
+         do while (flow%time < end)
+            if (system%interrupt%raised()) return
+            begun = flow%time
+            contact = flow%contact
+            call flow%step(end)
+            if (flow%x(1, 1) >= huge(1.0_dp)) return
+            do i = 1, system%meshes
+               call force_series(flow, i, contact(i), force(:, i))
+               call include(force(:, i), flow%length, result%force_minimum(i, w), result%force_maximum(i, w))
+            end do
+            call torque_series(flow, begun, force, torque)
+            do i = 1, system%torque_paths%rows
+               if (system%torque_paths%known(i)) &
+                  call include(torque(:, i), flow%length, result%torque_minimum(i, w), result%torque_maximum(i, w))
+            end do
+            call sample(flow, ramp, origin, begun, force, torque, result)
+         end do
+         where (result%torque_minimum(:, w) > result%torque_maximum(:, w))
+            result%torque_minimum(:, w) = torque(0, :)
+            result%torque_maximum(:, w) = torque(0, :)
+         end where
+      end associate
+   end subroutine pass_window
+
+   !> Records the samples within the latest step.
+   subroutine sample(flow, ramp, origin, begun, force, torque, result)
+      type(flow_type), intent(in) :: flow
+      type(ramp_type), intent(in) :: ramp
+      !> Time since the beginning of the ramp at which the period of the fundamental begins; time since then at which the step
+      !> begins [1].
+      real(dp), intent(in) :: origin, begun
+      !> Taylor coefficients of mesh forces [N], (0:order, mesh), and torques of shafts [N m], (0:order, shaft).
+      real(dp), intent(in) :: force(0:, :), torque(0:, :)
+      type(run_up_type), intent(inout) :: result
+      real(dp) :: time, tau
+      integer :: i
+
+      associate (q => result%samples, n => size(result%time))
+         do while (q < n)
+            time = ramp%duration*(real(q, dp)/(n - 1))
+            tau = time - origin - begun
+            if (time - origin > flow%time) exit
+            q = q + 1
+            result%time(q) = time/flow%system%characteristic_frequency
+            result%frequency_ratio(q) = ramp%start + ramp%acceleration*time
+            do i = 1, size(force, 2)
+               result%displacement(i, q) = flow%displacement(i, tau)
+               result%mesh_force(i, q) = series_value(force(:, i), tau)
+            end do
+            do i = 1, size(torque, 2)
+               result%shaft_torque(i, q) = series_value(torque(:, i), tau)
+            end do
+         end do
+      end associate
+   end subroutine sample
+
+   !> Taylor coefficients of the torques of the shafts over the latest step [N m]; NaN where nothing determines it.
+   pure subroutine torque_series(flow, begun, mesh_force, torque)
+      type(flow_type), intent(in) :: flow
+      !> Time at which the step begins [1].
+      real(dp), intent(in) :: begun
+      !> Taylor coefficients of the mesh forces [N], (0:order, mesh).
+      real(dp), intent(in) :: mesh_force(0:, :)
+      real(dp), intent(out) :: torque(0:, :)
+      real(dp) :: force(0:flow%order, flow%system%elements), wave(0:flow%order)
+      integer :: i, n, s
+
+      associate (system => flow%system, paths => flow%system%torque_paths, length => flow%system%characteristic_length)
+         do n = 1, system%elements
+            if (system%element_mesh(n) > 0) then
+               force(:, n) = mesh_force(:, system%element_mesh(n))
+            else
+               force(:, n) = system%spring(n)*flow%p(1, n, :) + system%damping(n)*flow%v(1, n, :)
+               force(0, n) = force(0, n) + system%static_force(n)
+               force(:, n) = system%stiffness(n)*length*force(:, n)
+            end if
+         end do
+         do s = 1, paths%rows
+            torque(:, s) = 0
+            torque(0, s) = paths%constant(s)
+            do i = paths%first(s), paths%first(s + 1) - 1
+               torque(:, s) = torque(:, s) + paths%gain(i)*force(:, paths%element(i))
+            end do
+            do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
+               wave = 0
+               associate (series => system%torque(paths%torque(i)))
+                  call add_waves(series%harmonic, series%amplitude, flow%frequency_ratio, flow%acceleration, begun, wave)
+               end associate
+               torque(:, s) = torque(:, s) + paths%torque_gain(i)*length*wave
+            end do
+            if (.not. paths%known(s)) torque(:, s) = ieee_value(1.0_dp, ieee_quiet_nan)
+         end do
+      end associate
+   end subroutine torque_series
+
+   !> Taylor coefficients of the force of a mesh over the latest step [N].
+   pure subroutine force_series(flow, mesh, region, force)
+      type(flow_type), intent(in) :: flow
+      !> Number of the mesh; region of its law during the step.
+      integer, intent(in) :: mesh, region
+      real(dp), intent(out) :: force(0:)
+      real(dp) :: stretch(0:flow%order)
+      integer :: k, n
+
+      n = flow%system%mesh_element(mesh)
+      associate (law => flow%system%law(mesh))
+         stretch = flow%p(1, n, :)
+         stretch(0) = stretch(0) - law%origin(region)
+         force = law%damping(region)*flow%v(1, n, :)
+         if (law%varies(region)) then
+            do k = 0, flow%order
+               force(k:) = force(k:) + flow%kappa(k, mesh)*stretch(:flow%order - k)
+            end do
+         else
+            force = force + law%stiffness(region)*stretch
+         end if
+      end associate
+      force = flow%system%stiffness(n)*flow%system%characteristic_length*force
+   end subroutine force_series
+
+   !> Includes the values of a Taylor series over a step in a range. A step is shorter than a period of the fastest vibration: in
+   !> either half of it the slope changes sign once at most.
+   pure subroutine include(series, length, low, high)
+      !> Taylor coefficients, (0:order); length of the step [1].
+      real(dp), intent(in) :: series(0:), length
+      real(dp), intent(inout) :: low, high
+      real(dp) :: value, left, right, a, b, t
+      integer :: i
+
+      low = min(low, series(0))
+      high = max(high, series(0))
+      left = series(1)
+      do i = 1, 2
+         a = (i - 1)*length/2
+         b = i*length/2
+         call polynomial(series, b, value, right)
+         low = min(low, value)
+         high = max(high, value)
+         if (left < 0 .and. right > 0) then
+            call root_between(series, a, b, .true., t)
+            low = min(low, series_value(series, t))
+         else if (left > 0 .and. right < 0) then
+            call root_between(-series, a, b, .true., t)
+            high = max(high, series_value(series, t))
+         end if
+         left = right
+      end do
+   end subroutine include
+
+end module geartrain_flow_ramped_flow

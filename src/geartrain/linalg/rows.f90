@@ -1,0 +1,160 @@
+!> Rows of elements p = B q: which rows are independent, the rigid motions that they leave free (the null space of B), and how the
+!> other rows follow from the independent ones.
+!>
+!> Rotations are written as combinations of displacements of rows and of free amplitudes. At first each rotation is an amplitude of
+!> its own; each independent row takes the place of one amplitude. Without loops no term is subtracted from another: a stiff element
+!> beside a soft one loses no digits.
+module geartrain_linalg_rows
+   use geartrain_base_kinds, only: dp
+   implicit none (type, external)
+   private
+   public :: row_type, rows_type
+
+   !> Sum of terms over the sum of their magnitudes below which it is 0: ratios of teeth and of radii agree to this [1].
+   real(dp), parameter :: rounding = 1e-9_dp
+   !> Coefficients of a loop below this share of their terms are rounding [1].
+   real(dp), parameter :: nothing = 1e-12_dp
+   !> An amplitude whose term is below this share of the largest term is not replaced [1].
+   real(dp), parameter :: least_pivot = 0.1_dp
+
+   !> The displacement of an element: the sum of entry(i) times the rotation of node(i).
+   type :: row_type
+      !> Nodes, and the displacement per rotation [m], (entry).
+      integer, allocatable :: node(:)
+      real(dp), allocatable :: entry(:)
+   contains
+      procedure :: entry_at
+      procedure :: touches
+   end type row_type
+
+   !> Rows that have been added, and what follows from them.
+   type :: rows_type
+      !> Rotation of each node per free amplitude, (node, amplitude); amplitudes that are left.
+      real(dp), allocatable :: motion(:, :)
+      logical, allocatable :: free(:)
+      !> Rotation of each node per displacement of each independent row, (row, node); only if `setup` has room for them.
+      real(dp), allocatable :: share(:, :)
+      !> Number of independent rows.
+      integer :: rank = 0
+   contains
+      procedure :: setup
+      procedure :: add
+      procedure :: follow
+   end type rows_type
+
+contains
+
+   !> Displacement per rotation of a node [m].
+   pure real(dp) function entry_at(self, node)
+      class(row_type), intent(in) :: self
+      !> Number of the node.
+      integer, intent(in) :: node
+
+      entry_at = sum(self%entry, self%node == node)
+   end function entry_at
+
+   !> Whether two rows have a node in common.
+   pure logical function touches(self, other)
+      class(row_type), intent(in) :: self
+      !> The other row.
+      class(row_type), intent(in) :: other
+      integer :: i
+
+      touches = any([(any(other%node == self%node(i)), i=1, size(self%node))])
+   end function touches
+
+   !> Begins without rows.
+   pure subroutine setup(self, nodes, rows)
+      class(rows_type), intent(inout) :: self
+      !> Number of nodes; number of independent rows, 0: their shares are not wanted.
+      integer, intent(in) :: nodes, rows
+      integer :: i
+
+      if (allocated(self%motion)) deallocate (self%motion, self%free, self%share)
+      allocate (self%motion(nodes, nodes), self%share(rows, nodes), source=0.0_dp)
+      allocate (self%free(nodes), source=.true.)
+      do i = 1, nodes
+         self%motion(i, i) = 1
+      end do
+      self%rank = 0
+   end subroutine setup
+
+   !> Adds a row; does nothing where it depends on the rows before it.
+   pure subroutine add(self, row, independent)
+      class(rows_type), intent(inout) :: self
+      !> The row.
+      type(row_type), intent(in) :: row
+      !> The row is independent, and one amplitude less is free.
+      logical, intent(out) :: independent
+      real(dp) :: value(size(self%free)), height(size(self%free)), share(size(self%share, 1)), factor
+      integer :: f, i, nodes, pivot, least
+
+      value = 0
+      height = 0
+      do i = 1, size(row%node)
+         where (self%free)
+            value = value + row%entry(i)*self%motion(row%node(i), :)
+            height = height + abs(row%entry(i)*self%motion(row%node(i), :))
+         end where
+      end do
+      where (abs(value) <= rounding*height) value = 0
+      independent = any(abs(value) > 0)
+      if (.not. independent) return
+      ! The amplitude that moves the fewest nodes: what was written before changes least.
+      pivot = 0
+      least = huge(least)
+      do f = 1, size(value)
+         if (abs(value(f)) < least_pivot*maxval(abs(value)) .or. .not. abs(value(f)) > 0) cycle
+         nodes = count(abs(self%motion(:, f)) > 0)
+         if (nodes > least) cycle
+         least = nodes
+         pivot = f
+      end do
+      self%rank = self%rank + 1
+      share = 0
+      if (size(share) > 0) share = shares_of(self, row)
+      do i = 1, size(self%motion, 1)
+         if (.not. abs(self%motion(i, pivot)) > 0) cycle
+         factor = self%motion(i, pivot)/value(pivot)
+         if (size(share) > 0) then
+            self%share(:, i) = self%share(:, i) - factor*share
+            self%share(self%rank, i) = self%share(self%rank, i) + factor
+         end if
+         ! Terms that cancel leave nothing: their rounding would count as a motion.
+         where (abs(self%motion(i, :) - factor*value) > nothing*(abs(self%motion(i, :)) + abs(factor*value)))
+            self%motion(i, :) = self%motion(i, :) - factor*value
+         elsewhere
+            self%motion(i, :) = 0
+         end where
+         self%motion(i, pivot) = 0
+      end do
+      self%free(pivot) = .false.
+   end subroutine add
+
+   !> Displacement of a dependent row per displacement of each independent row [1], (row).
+   pure function follow(self, row) result(share)
+      class(rows_type), intent(in) :: self
+      !> A row that depends on those that were added.
+      type(row_type), intent(in) :: row
+      real(dp) :: share(size(self%share, 1))
+
+      share = shares_of(self, row)
+   end function follow
+
+   !> What the displacements of the independent rows make of a row; 0 where the terms cancel.
+   pure function shares_of(self, row) result(share)
+      type(rows_type), intent(in) :: self
+      type(row_type), intent(in) :: row
+      real(dp) :: share(size(self%share, 1)), height(size(self%share, 1))
+      integer :: i
+
+      share = 0
+      height = 0
+      do i = 1, size(row%node)
+         share = share + row%entry(i)*self%share(:, row%node(i))
+         height = height + abs(row%entry(i)*self%share(:, row%node(i)))
+      end do
+      where (abs(share) <= nothing*height) share = 0
+   end function shares_of
+
+end module geartrain_linalg_rows

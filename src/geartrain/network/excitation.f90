@@ -1,0 +1,85 @@
+!> Harmonics of Lambda that excite a train: by the torques, the mesh stiffnesses and the transmission errors.
+module geartrain_network_excitation
+   use geartrain_base_series, only: series_type
+   use geartrain_network_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: excited_harmonics, lowest_harmonic, reach_of_sources
+
+contains
+
+   !> Harmonics of Lambda that a torque, a mesh stiffness or a transmission error excites, ascending.
+   pure function excited_harmonics(system) result(harmonic)
+      !> System with at least its excitation, see `put_excitation`.
+      type(system_type), intent(in) :: system
+      integer, allocatable :: harmonic(:)
+      integer :: j
+
+      allocate (harmonic(0))
+      do j = 1, size(system%torque)
+         call merge_excited(system%torque(j), harmonic)
+      end do
+      do j = 1, system%meshes
+         call merge_excited(system%law(j)%variation(), harmonic)
+         call merge_excited(system%transmission_error(j), harmonic)
+      end do
+   end function excited_harmonics
+
+   !> Least number of harmonics of Lambda that includes the lowest harmonic of every source of excitation: torques, mesh
+   !> stiffnesses, transmission errors. 1 for a train without excitation.
+   pure integer function reach_of_sources(system) result(reach)
+      !> System with at least its excitation, see `put_excitation`.
+      type(system_type), intent(in) :: system
+      integer :: j
+
+      reach = maxval([1, (lowest_harmonic(system%torque(j)), j=1, size(system%torque))])
+      do j = 1, system%meshes
+         reach = max(reach, lowest_harmonic(system%law(j)%variation()), lowest_harmonic(system%transmission_error(j)))
+      end do
+   end function reach_of_sources
+
+   !> Lowest harmonic of Lambda in a series; 0 for an empty series.
+   pure integer function lowest_harmonic(series) result(lowest)
+      !> A source of excitation, in any unit.
+      type(series_type), intent(in) :: series
+
+      integer :: h
+
+      lowest = 0
+      do h = size(series%harmonic), 1, -1
+         if (abs(series%amplitude(h)) > 0) lowest = series%harmonic(h)
+      end do
+   end function lowest_harmonic
+
+   !> Takes the excited harmonics of a series into an ascending list. The work grows with the lists and not with the orders, which
+   !> may be a million.
+   pure subroutine merge_excited(series, list)
+      type(series_type), intent(in) :: series
+      integer, allocatable, intent(inout) :: list(:)
+      integer, allocatable :: added(:)
+      integer :: merged(size(list) + size(series%harmonic)), i, j, n
+
+      added = pack(series%harmonic, abs(series%amplitude) > 0)
+      i = 1
+      j = 1
+      n = 0
+      do while (i <= size(list) .or. j <= size(added))
+         n = n + 1
+         if (j > size(added)) then
+            merged(n) = list(i)
+         else if (i > size(list)) then
+            merged(n) = added(j)
+         else
+            merged(n) = min(list(i), added(j))
+         end if
+         if (i <= size(list)) then
+            if (list(i) == merged(n)) i = i + 1
+         end if
+         if (j <= size(added)) then
+            if (added(j) == merged(n)) j = j + 1
+         end if
+      end do
+      list = merged(:n)
+   end subroutine merge_excited
+
+end module geartrain_network_excitation

@@ -1,0 +1,262 @@
+!> Contact edges of a branch: where a mesh begins or ceases to separate, or its back flanks to collide. The balance is solved there.
+module geartrain_readings_contact_edges
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_observer, only: observer_type
+   use geartrain_linalg_bracket, only: between, shrink
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: extremes, fine_samples
+   use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_network_system, only: system_type
+   use geartrain_trace_branch, only: branch_type, carried_by, contact_edge_type, gap_along, response_settings_type
+   use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_decided, only: joined
+   use geartrain_trace_points, only: motion_of
+   use geartrain_trace_special_points, only: rms_of
+   use geartrain_trace_start, only: begin_trace, solution_of
+   use geartrain_trace_tracer, only: tracer_type
+   use geartrain_train_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: locate_contact_edges
+
+   !> Edges that are located at most, the first ones along the branch; further edges are interpolated where they are needed.
+   integer, parameter :: most_edges = 1000
+   integer, parameter :: most_steps = 20
+   !> Depth at an edge on the polynomial, over half the backlash [1]; square of the last step on the branch over the length of the
+   !> piece, about the error of the edge [units_type].
+   real(dp), parameter :: located = 1e-7_dp, nearly = 1e-13_dp
+   !> A point closer to its neighbour than this share of the piece is no node of the polynomial [1].
+   real(dp), parameter :: nearest = 0.03_dp
+
+   !> A piece of a branch between neighbouring points, with a polynomial through up to four points.
+   type :: piece_type
+      !> Distance of the two ends in the metric of the branch [units_type].
+      real(dp) :: length = 0
+      integer :: nodes = 0
+      !> Nodes of the polynomial: the two ends of the piece, then the points before and after the piece, where they serve.
+      type(solution_point_type) :: node(4)
+      !> Signed distance of each node from the first one [units_type].
+      real(dp) :: at(4) = 0
+   end type piece_type
+
+contains
+
+   !> Fills branch%contact_edges.
+   subroutine locate_contact_edges(train, settings, branch, observer)
+      !> The train as described.
+      type(train_type), intent(in) :: train
+      !> Settings that `branch` was traced with.
+      type(response_settings_type), intent(in) :: settings
+      !> A branch whose points are complete. A target: an observer may read it through a pointer.
+      type(branch_type), intent(inout), target :: branch
+      !> Is told of each piece with an edge; if it cancels, the edges so far are kept.
+      class(observer_type), intent(inout), optional :: observer
+      type(system_type), target :: systems(2)
+      type(tracer_type) :: tracer
+      type(transform_type) :: transform
+      type(contact_edge_type), allocatable :: edges(:)
+      type(piece_type) :: piece
+      type(solution_point_type) :: solution
+      real(dp) :: first, last
+      real(dp), allocatable :: gap(:, :)
+      integer :: i, j, k, n
+      logical :: ready, success, keep_going, back
+
+      if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
+      if (branch%points < 2) return
+      allocate (gap(branch%points, branch%meshes))
+      do j = 1, branch%meshes
+         gap(:, j) = gap_along(branch, j)
+      end do
+      if (.not. any(gap > 0)) return
+      allocate (edges(most_edges))
+      n = 0
+      call begin_trace(train, settings, systems, tracer, branch)
+      do i = 1, branch%points - 1
+         if (.not. joined(branch, i)) cycle
+         ready = .false.
+         do j = 1, branch%meshes
+            if (.not. all(gap(i:i + 1, j) > 0)) cycle
+            do k = 1, 2
+               back = k == 2
+               first = depth_below(branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
+               last = depth_below(branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j), back)
+               if (first*last >= 0 .or. n == most_edges) cycle
+               if (.not. ready) call prepare_piece(i)
+               ready = .true.
+               n = n + 1
+               edges(n)%point = i
+               edges(n)%mesh = j
+               edges(n)%back = back
+               call locate(j, back, first, last, edges(n)%frequency_ratio, success)
+               if (success) edges(n)%rms = rms_of(tracer%corrector, solution)
+               if (.not. success) n = n - 1
+            end do
+         end do
+         if (.not. (ready .and. present(observer))) cycle
+         keep_going = .true.
+         call observer%on_step('response', branch%points, branch%frequency_ratio(i), keep_going)
+         if (.not. keep_going) exit
+      end do
+      branch%contact_edges = edges(:n)
+
+   contains
+
+      !> Makes `piece` the piece of the branch between the points i and i + 1.
+      subroutine prepare_piece(i)
+         integer, intent(in) :: i
+         integer :: m
+
+         associate (highest => maxval(branch%point_harmonics(i:i + 1)))
+            if (highest /= tracer%corrector%balance%highest .or. tracer%chooses_sets) &
+               call tracer%prepare(highest, carried_by(branch, i, i + 1))
+         end associate
+         call transform%plan(fine_samples(tracer%corrector%balance%highest))
+         piece%nodes = 2
+         piece%node(1) = solution_of(tracer, motion_of(branch, i))
+         piece%node(2) = solution_of(tracer, motion_of(branch, i + 1))
+         piece%length = chord(piece%node(1), piece%node(2))
+         piece%at(:2) = [0.0_dp, piece%length]
+         solution = piece%node(1)
+         allocate (solution%tangent, mold=solution%u)
+         do m = i - 1, i + 2, 3
+            if (m < 1 .or. m > branch%points) cycle
+            if (.not. joined(branch, merge(m, m - 1, m < i))) cycle
+            associate (n => piece%nodes)
+               piece%node(n + 1) = solution_of(tracer, motion_of(branch, m))
+               piece%at(n + 1) = chord(piece%node(n + 1), piece%node(merge(1, 2, m < i)))
+               ! The interpolation would divide rounding by this small distance.
+               if (piece%at(n + 1) < nearest*piece%length) cycle
+               piece%at(n + 1) = merge(-piece%at(n + 1), piece%length + piece%at(n + 1), m < i)
+               n = n + 1
+            end associate
+         end do
+      end subroutine prepare_piece
+
+      real(dp) function chord(from, to)
+         type(solution_point_type), intent(in) :: from, to
+
+         chord = tracer%corrector%length_of(to%u - from%u, to%frequency_ratio - from%frequency_ratio)
+      end function chord
+
+      !> Lambda at which the depth of mesh j is zero: found on the polynomial, then on the branch by solving the balance.
+      subroutine locate(j, back, first, last, frequency_ratio, success)
+         integer, intent(in) :: j
+         logical, intent(in) :: back
+         !> Depths at the two ends of the piece, of different signs.
+         real(dp), intent(in) :: first, last
+         real(dp), intent(out) :: frequency_ratio
+         logical, intent(out) :: success
+         type(solution_point_type) :: guess
+         real(dp) :: a, b, fa, fb, f, s, slope, way
+         integer :: kept, step
+
+         a = 0
+         b = piece%length
+         fa = first
+         fb = last
+         kept = 0
+         do step = 1, most_steps
+            s = between(a, b, fa, fb)
+            call go_along(piece, s, solution)
+            f = depth_at(solution, j, back)
+            if (abs(f) < located*gap_at(solution, j)) exit
+            call shrink(a, b, fa, fb, s, f, kept)
+         end do
+         a = 1e-4_dp*piece%length
+         call go_along(piece, s + a, solution)
+         slope = depth_at(solution, j, back)
+         call go_along(piece, s - a, solution)
+         slope = (slope - depth_at(solution, j, back))/(2*a)
+         call go_along(piece, s, solution)
+         do step = 1, most_steps
+            guess = solution
+            call tracer%corrector%correct(solution, success)
+            if (.not. success) return
+            f = depth_at(solution, j, back)
+            way = step_to_zero(piece, s, f, slope)
+            frequency_ratio = solution%frequency_ratio + solution%tangent_frequency*way
+            if (way**2 < nearly*piece%length) return
+            ! A short step further the difference between branch and polynomial is about the present one.
+            guess%u = solution%u - guess%u
+            guess%frequency_ratio = solution%frequency_ratio - guess%frequency_ratio
+            s = s + way
+            if (.not. abs(s - piece%length/2) < piece%length) exit
+            call go_along(piece, s, solution)
+            solution%u = solution%u + guess%u
+            solution%frequency_ratio = solution%frequency_ratio + guess%frequency_ratio
+         end do
+         success = .false.
+      end subroutine locate
+
+      !> Depth of mesh j at a solution point, see depth_below.
+      real(dp) function depth_at(solution, j, back)
+         type(solution_point_type), intent(in) :: solution
+         integer, intent(in) :: j
+         logical, intent(in) :: back
+         real(dp) :: smallest, largest
+
+         ! A mesh with backlash is an unknown of the balance.
+         associate (balance => tracer%corrector%balance)
+            call extremes(solution%u(:, findloc(balance%mesh, j, 1)), balance%harmonic, transform, smallest, largest)
+         end associate
+         depth_at = depth_below(smallest, largest, gap_at(solution, j), back)
+      end function depth_at
+
+      !> Half backlash of mesh j at a solution point of the piece: along a path in a parameter between those of its ends, which is
+      !> exact unless the backlash follows from a drawing.
+      real(dp) function gap_at(solution, j)
+         type(solution_point_type), intent(in) :: solution
+         integer, intent(in) :: j
+         real(dp) :: share
+
+         share = 0
+         if (abs(gap(i + 1, j) - gap(i, j)) > 0) share = (solution%frequency_ratio - piece%node(1)%frequency_ratio) &
+                                                         /(piece%node(2)%frequency_ratio - piece%node(1)%frequency_ratio)
+         gap_at = gap(i, j) + share*(gap(i + 1, j) - gap(i, j))
+      end function gap_at
+
+   end subroutine locate_contact_edges
+
+   !> Newton step from s to the zero of a depth on the branch, which is f at s. Its derivative is `slope` on the polynomial; the
+   !> difference between branch and polynomial, about f, is proportional to the product of the distances to the nodes.
+   pure real(dp) function step_to_zero(piece, s, f, slope)
+      type(piece_type), intent(in) :: piece
+      real(dp), intent(in) :: s, f, slope
+      real(dp) :: to_nodes(piece%nodes), rate
+
+      to_nodes = s - piece%at(:piece%nodes)
+      rate = slope
+      if (minval(abs(to_nodes)) > 1e-9_dp*piece%length) rate = rate + f*sum(1/to_nodes)
+      step_to_zero = 0
+      if (abs(f) > 0) step_to_zero = -f/sign(max(abs(rate), 1e-30_dp), rate)
+   end function step_to_zero
+
+   !> Solution point and tangent of the polynomial at the distance s from the first node.
+   pure subroutine go_along(piece, s, solution)
+      type(piece_type), intent(in) :: piece
+      real(dp), intent(in) :: s
+      type(solution_point_type), intent(inout) :: solution
+      real(dp) :: weight, slope
+      integer :: i, k
+
+      solution%u = 0
+      solution%frequency_ratio = 0
+      solution%tangent = 0
+      solution%tangent_frequency = 0
+      do i = 1, piece%nodes
+         weight = 1
+         slope = 0
+         do k = 1, piece%nodes
+            if (k == i) cycle
+            slope = (slope*(s - piece%at(k)) + weight)/(piece%at(i) - piece%at(k))
+            weight = weight*(s - piece%at(k))/(piece%at(i) - piece%at(k))
+         end do
+         solution%u = solution%u + weight*piece%node(i)%u
+         solution%frequency_ratio = solution%frequency_ratio + weight*piece%node(i)%frequency_ratio
+         solution%tangent = solution%tangent + slope*piece%node(i)%u
+         solution%tangent_frequency = solution%tangent_frequency + slope*piece%node(i)%frequency_ratio
+      end do
+   end subroutine go_along
+
+end module geartrain_readings_contact_edges

@@ -1,0 +1,211 @@
+!> Appends points to a branch: enlarges its arrays, derives values from the coefficients, assesses stability where asked for.
+module geartrain_trace_recorder
+   use, intrinsic :: iso_fortran_env, only: int64
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_balanced_torque, only: find_shaft_torques
+   use geartrain_balance_error_estimate, only: error_estimate_type
+   use geartrain_balance_mesh_load, only: force_reader_type, load_resolution
+   use geartrain_base_kinds, only: dp
+   use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_floquet_multipliers, only: power
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
+   use geartrain_trace_branch, only: arrange_points, branch_type, widen
+   use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_stability_assessment, only: assess, assess_growth, assessment_type
+   implicit none (type, external)
+   private
+   public :: recorder_type
+
+   type :: recorder_type
+      !> Stability is assessed; torques of shafts are computed.
+      logical :: stability = .false., shaft_torque = .false.
+      !> Multipliers of a train of many states are wanted to their digits, not for the verdict alone.
+      logical :: to_their_digits = .false.
+      !> Work space; the monodromy matrix of the latest point.
+      type(monodromy_type) :: monodromy
+      !> Multipliers of the latest point over one repetition of its waveform, (branch%states).
+      complex(dp), allocatable :: multipliers(:)
+      type(transform_type) :: transform
+      type(force_reader_type), private :: reader
+   contains
+      procedure :: setup
+      procedure :: add
+      procedure :: finish
+   end type recorder_type
+
+contains
+
+   !> Prepares for the points of a balance.
+   subroutine setup(self, balance, stability, branch, shaft_torque, multipliers)
+      class(recorder_type), intent(inout) :: self
+      !> The balance; more harmonics may follow.
+      type(balance_type), intent(in) :: balance
+      !> Stability is to be assessed.
+      logical, intent(in) :: stability
+      !> A new branch; then a branch without points.
+      type(branch_type), intent(inout), target :: branch
+      !> Torques of shafts are wanted; absent: they are not.
+      logical, intent(in), optional :: shaft_torque
+      !> Multipliers are wanted however long the period is; absent: they are not.
+      logical, intent(in), optional :: multipliers
+      logical :: whole
+      integer :: k
+
+      self%stability = stability
+      self%shaft_torque = .false.
+      if (present(shaft_torque)) self%shaft_torque = shaft_torque
+      branch%points = 0
+      branch%meshes = balance%system%meshes
+      branch%held = balance%system%torque_paths%held
+      branch%shafts = balance%system%torque_paths%rows - branch%held
+      branch%half_backlash = balance%system%half_backlash
+      if (allocated(balance%path)) then
+         branch%parameter = balance%path%name
+         branch%parameter_unit = balance%path%unit
+         branch%constant_frequency = balance%path%frequency_ratio
+         allocate (branch%half_backlash_at(0, 0))
+      end if
+      branch%subharmonic = balance%eta
+      branch%harmonics = balance%highest
+      branch%orders = [(k, k=1, balance%highest)]
+      if (balance%chosen) branch%orders = [integer ::]
+      allocate (branch%special_points(0), branch%arclength(0), branch%free_slope(0), branch%rms_slope(0, 0))
+      if (stability) then
+         self%to_their_digits = .false.
+         if (present(multipliers)) self%to_their_digits = multipliers
+         call self%monodromy%setup(balance%system)
+         whole = self%to_their_digits .or. self%monodromy%is_partial() .or. .not. balance%has_long_period()
+         if (whole) branch%states = self%monodromy%given
+         allocate (self%multipliers(branch%states), branch%stable(0))
+         if (whole .and. balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
+      end if
+      if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
+      call arrange_points(branch, [integer ::], 16)
+   end subroutine setup
+
+   !> Appends a point.
+   subroutine add(self, balance, solution, estimate, segment, branch)
+      class(recorder_type), intent(inout) :: self
+      !> The balance, last evaluated at `solution`.
+      type(balance_type), intent(in) :: balance
+      !> The point.
+      type(solution_point_type), intent(in) :: solution
+      !> Error estimate of the point.
+      type(error_estimate_type), intent(in) :: estimate
+      !> Number of its segment.
+      integer, intent(in) :: segment
+      !> The branch.
+      type(branch_type), intent(inout), target :: branch
+      real(dp) :: coefficients(balance%block, balance%system%meshes)
+      type(assessment_type) :: assessment
+      type(force_reader_type) :: fresh
+      integer(int64) :: began, now, rate
+      integer :: i, j, k, n
+
+      if (branch%points == size(branch%frequency_ratio)) &
+         call arrange_points(branch, [(k, k=1, branch%points)], 2*branch%points)
+      if (balance%chosen) then
+         call widen(branch, balance%harmonic)
+      else if (balance%highest > branch%harmonics) then
+         call widen(branch, [(k, k=1, balance%highest)])
+      end if
+      call balance%full_coefficients(solution%u, coefficients)
+      n = branch%points + 1
+      call self%transform%plan(fine_samples(resolution_of(balance, coefficients)))
+      if (balance%varies) self%reader = fresh
+      call self%reader%setup(balance%system, balance%eta, self%transform%samples)
+      branch%frequency_ratio(n) = solution%frequency_ratio
+      if (allocated(branch%half_backlash_at)) branch%half_backlash_at(:, n) = balance%system%half_backlash
+      branch%coefficients(:, :, n) = 0
+      branch%coefficients(1, :, n) = coefficients(1, :)
+      i = 0
+      do k = 1, size(branch%orders)
+         if (i == size(balance%harmonic)) exit
+         if (branch%orders(k) /= balance%harmonic(i + 1)) cycle
+         i = i + 1
+         branch%coefficients(2*k:2*k + 1, :, n) = coefficients(2*i:2*i + 1, :)
+      end do
+      branch%error_estimate(n) = estimate%relative
+      branch%mesh_error_estimate(:, n) = estimate%mesh
+      branch%estimate_doubtful(n) = estimate%doubtful
+      branch%point_harmonics(n) = balance%highest
+      branch%segment(n) = segment
+      do j = 1, branch%meshes
+         branch%rms(j, n) = rms(coefficients(:, j))
+         branch%mean(j, n) = coefficients(1, j)
+         ! `extremes` leaves the samples of p in self%transform, which the reader of forces uses: other samples come after it.
+         call extremes(coefficients(:, j), balance%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
+         if (balance%system%law(j)%jumps) then
+            call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
+                                  self%transform, &
+                                  branch%mesh_load(j, n), balance%contact(findloc(balance%mesh, j, 1)))
+         else
+            call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
+                                  self%transform, &
+                                  branch%mesh_load(j, n))
+         end if
+         branch%mesh_load(j, n)%separation = 0
+         branch%mesh_load(j, n)%back_contact = 0
+      end do
+      do j = 1, balance%unknowns
+         associate (load => branch%mesh_load(balance%mesh(j), n))
+            call balance%contact(j)%shares(load%separation, load%back_contact)
+         end associate
+      end do
+      if (self%shaft_torque) call find_shaft_torques(balance, self%transform, &
+                                                     branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
+                                                     branch%shaft_torque_maximum(:, n))
+      if (self%stability) then
+         call system_clock(began, rate)
+         if (branch%states == 0) then
+            call assess_growth(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, assessment)
+         else
+            call self%monodromy%integrate(balance, balance%frequency_ratio, verdict=.not. self%to_their_digits)
+            call self%monodromy%multipliers(self%multipliers)
+            branch%multipliers(:, n) = self%multipliers
+            if (balance%repeats > 1) then
+               branch%repetition_multipliers(:, n) = self%multipliers
+               branch%multipliers(:, n) = power(self%multipliers, balance%repeats)
+            end if
+            call assess(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, self%multipliers, &
+                        .not. self%to_their_digits, assessment)
+         end if
+         branch%growth_rate(n) = assessment%growth_rate*balance%system%characteristic_frequency
+         branch%stable(n) = assessment%stable
+         branch%undecided(n) = assessment%undecided
+         branch%second_estimate(n) = assessment%second
+         branch%count_undecided(n) = assessment%count_undecided
+         call system_clock(now)
+         branch%verdict_seconds = branch%verdict_seconds + real(now - began, dp)/real(rate, dp)
+      end if
+      branch%points = n
+   end subroutine add
+
+   !> The harmonic whose `fine_samples` show the extremes of all meshes.
+   pure integer function resolution_of(balance, coefficients)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: coefficients(:, :)
+      real(dp) :: force(balance%system%meshes)
+      integer :: j
+
+      resolution_of = balance%highest
+      if (.not. balance%chosen) return
+      ! A linear mesh has the force of its displacement.
+      force = norm2(coefficients(2:, :), 1)
+      force(balance%mesh) = norm2(balance%force(2:, :), 1)
+      resolution_of = maxval([(load_resolution(balance%system%law(j), balance%eta, balance%frequency_ratio, coefficients(:, j), &
+                                               balance%harmonic, force(j)), j=1, balance%system%meshes)])
+   end function resolution_of
+
+   !> Shrinks the arrays to the number of points.
+   subroutine finish(self, branch)
+      class(recorder_type), intent(in) :: self
+      !> The branch, which is complete.
+      type(branch_type), intent(inout), target :: branch
+      integer :: i
+
+      call arrange_points(branch, [(i, i=1, branch%points)], branch%points)
+   end subroutine finish
+
+end module geartrain_trace_recorder

@@ -1,0 +1,307 @@
+!> Locates changes of stability between two places of a branch, by counting the multipliers outside the unit circle:
+!> real multipliers below -1, real multipliers above +1 and complex pairs.
+!>
+!> Counts by kind, unlike their sum, tell two period doublings in one step, a period doubling where a pair enters, and a pair that
+!> becomes real outside the circle, which is no change at all. Multipliers that stay on the circle to rounding, as of a mode without
+!> damping, are never outside. Real multipliers pass +1 at folds and branch points, which the balance locates more exactly.
+module geartrain_trace_stability_changes
+   use geartrain_base_kinds, only: dp
+   use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_floquet_multipliers, only: neutral
+   use geartrain_linalg_bracket, only: between, shrink
+   use geartrain_trace_branch, only: branch_type
+   use geartrain_trace_corrector, only: corrector_type, solution_point_type
+   use geartrain_trace_special_points, only: add_special_point, rms_of
+   use geartrain_trace_step_geometry, only: go_along
+   implicit none (type, external)
+   private
+   public :: find_multipliers, hides_pair, largest_multiplier, outside, piece_type, separate
+
+   public :: above_one, doubling, neimark_sacker
+   !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
+   integer, parameter :: doubling = 1, neimark_sacker = 2, above_one = 3
+   character(*), parameter :: names(*) = [character(15) :: 'period doubling', 'neimark-sacker']
+   !> Magnitude of a multiplier beside which multipliers near the unit circle are rounding, as of an unstable motion over a period
+   !> of many teeth: no changes are located there.
+   real(dp), parameter :: largest_multiplier = 1e11_dp
+   !> Imaginary part over magnitude up to which a pair is two real multipliers, as of equal stages that are nearly decoupled.
+   real(dp), parameter :: real_enough = 1e-6_dp
+   !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
+   !> circle, and of the place from the change as a share of the step, up to which the chord through the latest two places is taken;
+   !> product of the two distances at these places, to which the error of the chord is proportional.
+   real(dp), parameter :: together = 1e-6_dp, nearly = 1e-5_dp, closely = 1e-12_dp
+   !> Distance from +1 within which a real multiplier may pass +1 at an end of a piece; length of a piece, as a share of the step,
+   !> in which no more hidden pairs are sought.
+   real(dp), parameter :: next_to_one = 0.02_dp, least = 1e-3_dp
+   !> Width of the bracket of a change, as a share of the step, at which it is located where chords are not exact.
+   real(dp), parameter :: located = 1e-9_dp
+   integer, parameter :: most_steps = 60
+   !> Difference of multipliers that are equal by the symmetry of the train.
+   real(dp), parameter :: equal = 1e-7_dp
+
+   !> A piece of a branch between two solution points with tangents, its length and the length of the branch up to it, in the metric
+   !> of the branch.
+   type :: piece_type
+      type(solution_point_type) :: here, next
+      real(dp) :: length = 0, start = 0
+   end type piece_type
+
+contains
+
+   !> Number of multipliers outside the unit circle, of each kind.
+   pure function outside(multipliers)
+      !> Multipliers, largest magnitude first.
+      complex(dp), intent(in) :: multipliers(:)
+      integer :: outside(3)
+
+      associate (real_ones => is_real(multipliers), size => abs(multipliers))
+         outside(doubling) = count(real_ones .and. multipliers%re < -1 - neutral)
+         outside(above_one) = count(real_ones .and. multipliers%re > 1 + neutral)
+         ! Where only the leading multipliers are known the last multiplier may lack its conjugate.
+         outside(neimark_sacker) = (count(.not. real_ones .and. size > 1 + neutral) + 1)/2
+      end associate
+   end function outside
+
+   elemental logical function is_real(multiplier)
+      complex(dp), intent(in) :: multiplier
+
+      is_real = abs(multiplier%im) <= real_enough*abs(multiplier)
+   end function is_real
+
+   !> Halves the piece from a to b until each change is alone, or all remaining changes are simultaneous.
+   recursive subroutine separate(corrector, monodromy, piece, a, b, first, last, after, branch)
+      !> Corrector of the branch.
+      type(corrector_type), intent(inout) :: corrector
+      !> Monodromy matrix set up for the system; work space.
+      type(monodromy_type), intent(inout) :: monodromy
+      !> The step.
+      type(piece_type), intent(in) :: piece
+      !> Distances of the ends of a part of the step from its beginning [1].
+      real(dp), intent(in) :: a, b
+      !> Multipliers at the ends of the part.
+      complex(dp), intent(in) :: first(:), last(:)
+      !> The special points are listed after point `after` - 1.
+      integer, intent(in) :: after
+      !> Its `special_points` grow.
+      type(branch_type), intent(inout), target :: branch
+      complex(dp) :: middle(size(first))
+      type(solution_point_type) :: solution
+      real(dp) :: s
+      integer :: change(3), kind
+      logical :: success
+
+      change = outside(last) - outside(first)
+      if (change(doubling) == 0 .and. change(neimark_sacker) == 0) then
+         if (.not. hides_pair(first, last) .or. b - a < least*piece%length) return
+      end if
+      if (all(mod(change([doubling, above_one]), 2) == 0) .and. stays(first, last)) return
+      kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
+      if (any(change([doubling, neimark_sacker]) /= 0) .and. &
+          change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. change(above_one) == 0) .and. &
+          pass_together(first, last, kind)) then
+         call locate(corrector, monodromy, piece, a, b, first, last, kind, solution, s)
+         call list(abs(change(kind)))
+         return
+      end if
+      s = (a + b)/2
+      call find_multipliers(corrector, monodromy, piece, a, b, s, solution, middle, success)
+      if (success .and. b - a > together*piece%length) then
+         call separate(corrector, monodromy, piece, a, s, first, middle, after, branch)
+         call separate(corrector, monodromy, piece, s, b, middle, last, after, branch)
+         return
+      end if
+      ! A pair became two real multipliers, or the reverse: only the rest of the change crosses the circle.
+      if (change(doubling)*change(neimark_sacker) < 0) change = [mod(change(doubling), 2), 0, 0]
+      if (change(above_one)*change(neimark_sacker) < 0) change(neimark_sacker) = 0
+      do kind = doubling, neimark_sacker
+         call list(abs(change(kind)))
+      end do
+
+   contains
+
+      !> Lists so many changes at `solution`: as one special point where they are the differences of equal branches.
+      subroutine list(changes)
+         integer, intent(in) :: changes
+         integer :: k, multiplicity
+
+         multiplicity = 1
+         if (corrector%fixed%has_differences(changes)) multiplicity = changes
+         do k = 1, changes/max(1, multiplicity)
+            call add_special_point(branch, trim(names(kind)), solution%frequency_ratio, after - 1, rms_of(corrector, solution), &
+                                   multiplicity, piece%start + s)
+         end do
+      end subroutine list
+   end subroutine separate
+
+   !> Whether a pair must have left the circle, or come back to it, and become real within a piece: of the real multipliers above 1
+   !> only one passes +1 in a piece, at a fold, and is near +1 at this end.
+   pure logical function hides_pair(first, last)
+      !> Multipliers at the ends of the piece, (state).
+      complex(dp), intent(in) :: first(:), last(:)
+
+      hides_pair = least_above(first) > most_above(last) .or. least_above(last) > most_above(first)
+   end function hides_pair
+
+   !> Number of real multipliers that are above 1 for sure, and that may be.
+   pure integer function least_above(multipliers)
+      complex(dp), intent(in) :: multipliers(:)
+
+      least_above = count(is_real(multipliers) .and. multipliers%re > 1 + next_to_one)
+   end function least_above
+
+   pure integer function most_above(multipliers)
+      complex(dp), intent(in) :: multipliers(:)
+
+      most_above = count(abs(multipliers%im) <= next_to_one .and. multipliers%re > 1 - next_to_one)
+   end function most_above
+
+   !> Whether the multipliers of a kind that pass the circle are equal at both ends, as the differences of equal branches have them.
+   pure logical function pass_together(first, last, kind)
+      complex(dp), intent(in) :: first(:), last(:)
+      integer, intent(in) :: kind
+      integer :: counts(3, 2), number(2)
+
+      counts(:, 1) = outside(first)
+      counts(:, 2) = outside(last)
+      number = [minval(counts(kind, :)) + 1, maxval(counts(kind, :))]
+      pass_together = are_equal(first) .and. are_equal(last)
+
+   contains
+
+      pure logical function are_equal(multipliers)
+         complex(dp), intent(in) :: multipliers(:)
+
+         are_equal = abs(excess(multipliers, kind, number(1)) - excess(multipliers, kind, number(2))) <= equal
+      end function are_equal
+
+   end function pass_together
+
+   !> Whether no multiplier crosses the circle: as many are outside at both ends of a piece, and the multipliers next to the circle
+   !> are farther from it than they move. Then pairs only become real, or complex, on their side of the circle.
+   pure logical function stays(first, last)
+      complex(dp), intent(in) :: first(:), last(:)
+      real(dp) :: a(2), b(2)
+      integer :: n
+
+      n = count(abs(first) > 1 + neutral)
+      stays = n == count(abs(last) > 1 + neutral) .and. n > 0 .and. n < size(first)
+      if (.not. stays) return
+      ! The multipliers are sorted by magnitude.
+      a = abs(first(n:n + 1))
+      b = abs(last(n:n + 1))
+      stays = all(abs(b - a) < min(abs(a - 1), abs(b - 1)))
+   end function stays
+
+   !> The solution point between the distances `from` and `to` along a piece where a multiplier of a kind passes the circle.
+   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, solution, s)
+      type(corrector_type), intent(inout) :: corrector
+      type(monodromy_type), intent(inout) :: monodromy
+      type(piece_type), intent(in) :: piece
+      real(dp), intent(in) :: from, to
+      complex(dp), intent(in) :: first(:), last(:)
+      integer, intent(in) :: kind
+      type(solution_point_type), intent(inout) :: solution
+      !> Distance of the point from the beginning of the piece [1].
+      real(dp), intent(out) :: s
+      complex(dp) :: multipliers(size(first))
+      real(dp) :: a, b, fa, fb, f, f_before, s_before, before, chord
+      integer :: i, kept, critical(3), number
+      logical :: success
+
+      critical = max(outside(first), outside(last))
+      number = critical(kind)
+      kept = 0
+      f_before = 1
+      s_before = 0
+      before = 0
+      a = from
+      b = to
+      fa = excess(first, kind, number)
+      fb = excess(last, kind, number)
+      do i = 1, most_steps
+         s = between(a, b, fa, fb)
+         ! Where other multipliers stay on the circle `excess` has a kink, at which chords hardly move.
+         if (mod(i, 6) == 0) s = (a + b)/2
+         call find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
+         if (.not. success) return
+         f = excess(multipliers, kind, number)
+         ! How far the chord through the latest two places leads: where multipliers hardly change, as of a train of little damping,
+         ! a multiplier next to the circle may be far from where it passes.
+         chord = huge(chord)
+         if (i > 1 .and. abs(f - f_before) > 0) chord = -f*(s - s_before)/(f - f_before)
+         ! An excess of 0 to rounding, from below, may belong to a multiplier that stays on the circle.
+         if (max(abs(f), abs(chord)/(to - from)) < nearly .and. (f > 0 .or. f < -10*neutral)) then
+            if (max(abs(f*f_before), abs(chord*(s + chord - s_before))/(to - from)**2) < closely) then
+               ! Lambda is that of the chord as well: s is a place on the cubic through the ends, along which Lambda grows by
+               ! another amount than along the branch.
+               solution%frequency_ratio = solution%frequency_ratio + chord*(solution%frequency_ratio - before)/(s - s_before)
+               s = s + chord
+               return
+            end if
+         end if
+         call shrink(a, b, fa, fb, s, f, kept)
+         if (b - a < located*(to - from)) return
+         f_before = f
+         s_before = s
+         before = solution%frequency_ratio
+      end do
+   end subroutine locate
+
+   !> Distance from the circle, negative inside, of multiplier number `number` of a kind, the farthest counted first.
+   pure real(dp) function excess(multipliers, kind, number)
+      complex(dp), intent(in) :: multipliers(:)
+      integer, intent(in) :: kind, number
+      real(dp), parameter :: none = -0.5_dp
+      real(dp) :: length(size(multipliers))
+      integer :: i, n
+
+      if (kind == doubling) then
+         length = merge(-multipliers%re, 0.0_dp, is_real(multipliers))
+         n = number
+      else
+         length = merge(0.0_dp, abs(multipliers), is_real(multipliers))
+         n = 2*number - 1
+      end if
+      do i = 1, n - 1
+         length(maxloc(length, 1)) = 0
+      end do
+      excess = max(none, maxval(length) - 1 - neutral)
+   end function excess
+
+   !> Multipliers at the distance s along a piece. Newton's method begins at the cubic through the ends. Where it fails, as may be
+   !> next to a resonance without damping, s becomes another distance between a and b; where it fails at all of them, `solution` is
+   !> a point of the cubic.
+   subroutine find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
+      !> Corrector of the branch.
+      type(corrector_type), intent(inout) :: corrector
+      !> Monodromy matrix set up for the system; work space.
+      type(monodromy_type), intent(inout) :: monodromy
+      !> The step.
+      type(piece_type), intent(in) :: piece
+      !> Distances along the step between which another place is tried [1].
+      real(dp), intent(in) :: a, b
+      !> Distance of the place from the beginning of the step [1].
+      real(dp), intent(inout) :: s
+      !> The point.
+      type(solution_point_type), intent(inout) :: solution
+      !> Its multipliers.
+      complex(dp), intent(out) :: multipliers(:)
+      !> Newton's method has converged.
+      logical, intent(out) :: success
+      real(dp), parameter :: share(*) = [0.37_dp, 0.67_dp, 0.21_dp, 0.83_dp]
+      integer :: attempt
+
+      do attempt = 0, size(share)
+         if (attempt > 0) s = a + share(attempt)*(b - a)
+         solution = piece%here
+         call go_along(piece%here, piece%next, s/piece%length, corrector%units, solution)
+         call corrector%correct(solution, success)
+         if (success) exit
+      end do
+      if (.not. success) call go_along(piece%here, piece%next, s/piece%length, corrector%units, solution)
+      if (.not. success) return
+      call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
+      call monodromy%multipliers(multipliers)
+   end subroutine find_multipliers
+
+end module geartrain_trace_stability_changes

@@ -1,0 +1,201 @@
+!> Steps along a branch, from a solution point to the next, and the points recorded: what a trace is made of.
+module geartrain_trace_stepper
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_cubic, only: share_at
+   use geartrain_trace_adaptive_corrector, only: adaptive_corrector_type
+   use geartrain_trace_branch, only: branch_type
+   use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_recorder, only: recorder_type
+   use geartrain_trace_step_extremes, only: cut_at_extreme, quantities_type
+   use geartrain_trace_step_geometry, only: arc_length, cosine, cosine_limit, go_along, hides_folds
+   use geartrain_trace_step_length, only: acceptable, crosses_branch, curve_error, jump_step, next_step, predict
+   implicit none (type, external)
+   private
+   public :: stepper_type
+
+   !> Largest change of Lambda in a step with sets of harmonics, over the range [1].
+   real(dp), parameter :: widest = 0.01_dp
+
+   type, extends(adaptive_corrector_type) :: stepper_type
+      type(recorder_type) :: recorder
+      !> Number of the segment of the branch that is traced.
+      integer :: segment = 1
+      !> Points that miss the tolerance, where harmonics = 0.
+      integer :: missed = 0
+      !> The point before the latest one, from which the next one is guessed; its coefficients are not allocated where there is
+      !> none.
+      type(solution_point_type) :: before
+      !> Quantities of the meshes at the solution point of the latest `read`, and the evaluations of the balance until then.
+      type(quantities_type) :: quantities
+      integer, private :: read_at = -1
+   contains
+      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at
+   end type stepper_type
+
+contains
+
+   !> Adds a solution point to the branch.
+   subroutine record(self, solution, branch, from, point)
+      class(stepper_type), intent(inout) :: self
+      !> Solution point that `corrector` worked on last.
+      type(solution_point_type), intent(in) :: solution
+      !> Branch that `recorder` was set up for.
+      type(branch_type), intent(inout), target :: branch
+      !> Solution point of the branch before it; absent: a segment begins.
+      type(solution_point_type), intent(in), optional :: from
+      !> Number of that point.
+      integer, intent(in), optional :: point
+      real(dp) :: arclength
+
+      call self%estimate_error(solution)
+      call self%read(solution)
+      arclength = 0
+      if (present(from)) arclength = branch%arclength(point) + arc_length(from, solution, self%corrector%units)
+      if (self%settings%harmonics == 0 .and. self%estimate%limited > self%settings%tolerance) self%missed = self%missed + 1
+      call self%recorder%add(self%corrector%balance, solution, self%estimate, self%segment, branch)
+      associate (n => branch%points)
+         branch%arclength(n) = arclength
+         branch%free_slope(n) = solution%tangent_frequency
+         branch%rms_slope(:, n) = self%quantities%rms_slope
+      end associate
+   end subroutine record
+
+   !> Finds the quantities of the meshes at the solution point that `corrector` worked on last, unless they are known already.
+   subroutine read(self, solution)
+      class(stepper_type), intent(inout) :: self
+      !> Solution point with its tangent.
+      type(solution_point_type), intent(in) :: solution
+
+      if (self%read_at == self%corrector%evaluations) return
+      self%read_at = self%corrector%evaluations
+      call self%quantities%find(self%corrector, self%recorder%transform, solution)
+   end subroutine read
+
+   !> Keeps to motions in which equal branches move equally as they do at the beginning of the branch, and solves `here` there.
+   subroutine keep_equal(self, here, origin)
+      class(stepper_type), intent(inout) :: self
+      !> Where a trace begins.
+      type(solution_point_type), intent(inout) :: here
+      !> First point of the branch.
+      type(solution_point_type), intent(in) :: origin
+      type(solution_point_type) :: before
+      logical :: success
+
+      call self%corrector%keep_equal(origin)
+      if (self%corrector%fixed%is_whole()) return
+      before = here
+      call self%corrector%correct(here, success)
+      if (.not. success) here = before
+      if (.not. success) here%orientation = 0
+   end subroutine keep_equal
+
+   !> Cuts a step at the first point within it that readings need, see geartrain_trace_step_extremes.
+   subroutine cut_step(self, here, at_here, next, cut)
+      class(stepper_type), intent(inout) :: self
+      !> Beginning of the step.
+      type(solution_point_type), intent(in) :: here
+      !> Quantities of the meshes at `here`.
+      type(quantities_type), intent(in) :: at_here
+      !> End of the step, which `corrector` worked on last.
+      type(solution_point_type), intent(inout) :: next
+      !> `next` became a point within the step.
+      logical, intent(out) :: cut
+
+      call self%read(next)
+      call cut_at_extreme(self%corrector, self%recorder%transform, here, at_here, next, self%quantities, cut)
+      self%read_at = self%corrector%evaluations
+   end subroutine cut_step
+
+   !> Length of a step [1], shortened where a curve of rms drawn over it would miss dips: with sets of harmonics long steps follow a
+   !> branch that is nearly straight in its coefficients.
+   pure real(dp) function shown_step(self, h, here, low, high) result(step)
+      class(stepper_type), intent(in) :: self
+      !> Length of the step [1]; bounds of Lambda [1].
+      real(dp), intent(in) :: h, low, high
+      !> Where it begins.
+      type(solution_point_type), intent(in) :: here
+
+      step = h
+      if (self%corrector%balance%chosen .and. h*abs(here%tangent_frequency) > widest*(high - low)) &
+         step = widest*(high - low)/abs(here%tangent_frequency)
+   end function shown_step
+
+   !> Solves the next point: a distance h from `here`, or `origin` itself where the branch is closing. Where the tangent leads to or
+   !> beyond the end of a path in a parameter, where there may be no train, the next point is at this end.
+   subroutine take_step(self, here, origin, closing, h, low, high, next, off_curve, shorter, success)
+      class(stepper_type), intent(inout) :: self
+      !> Latest and first point of the branch.
+      type(solution_point_type), intent(in) :: here, origin
+      !> The step closes the branch.
+      logical, intent(in) :: closing
+      !> Length of the step [1]; bounds of Lambda [1].
+      real(dp), intent(in) :: h, low, high
+      !> The next point.
+      type(solution_point_type), intent(inout) :: next
+      !> Distance of the branch from the cubic through both points, where it is estimated [1].
+      real(dp), intent(out) :: off_curve
+      !> Length of the step to be tried where this one fails, over its length [1].
+      real(dp), intent(out) :: shorter
+      !> There is one, and the step stayed on the branch.
+      logical, intent(out) :: success
+      type(solution_point_type) :: guess
+      real(dp) :: ahead, bound, base
+
+      off_curve = 0
+      shorter = 1/3.0_dp
+      ahead = here%frequency_ratio + h*here%tangent_frequency
+      if (closing) then
+         next = origin
+         call self%corrector%solve_at(next, success)
+         if (success) call self%corrector%orient(next, merge(1, -1, origin%tangent_frequency > 0))
+      else if (allocated(self%corrector%balance%path) .and. .not. (ahead > low .and. ahead < high)) then
+         bound = merge(low, high, ahead <= low)
+         next = here
+         next%u = here%u + (bound - here%frequency_ratio)/here%tangent_frequency*here%tangent
+         next%frequency_ratio = bound
+         call self%corrector%solve_at(next, success)
+         if (success) success = self%corrector%length_of(next%u - here%u) < 2*h
+         if (success) call self%corrector%orient(next, merge(1, -1, here%tangent_frequency > 0))
+         if (success) success = cosine(here, next, self%corrector%units) > cosine_limit
+      else
+         call predict(self%corrector, self%before, here, h, guess, base)
+         call self%corrector%advance(here, h, next, success, guess)
+         off_curve = curve_error(self%corrector, h, base)
+         ! Another branch crosses: the step ends next to it.
+         if (success .and. base > 0 .and. .not. crosses_branch(here, next)) &
+            shorter = min(0.6_dp, next_step(self%corrector, here, next, h, h, off_curve)/h)
+         if (success) success = acceptable(self%corrector, here, next, h, guess, off_curve)
+         if (success) success = h < jump_step .or. .not. hides_folds(here, next, self%corrector%units, &
+                                                                               merge(abs(next%tangent_frequency &
+                                                                               - guess%tangent_frequency), 0.0_dp, base > 0))
+      end if
+   end subroutine take_step
+
+   !> Makes `next` the solution point at exactly `bound`, a Lambda between `here` and `next`.
+   subroutine stop_at(self, bound, here, next, h, success)
+      class(stepper_type), intent(inout) :: self
+      !> The bound [1]; length of the step [1].
+      real(dp), intent(in) :: bound, h
+      !> Beginning of the step.
+      type(solution_point_type), intent(in) :: here
+      !> Its end, which becomes the point at the bound.
+      type(solution_point_type), intent(inout) :: next
+      !> Newton's method has converged near the step.
+      logical, intent(out) :: success
+      type(solution_point_type) :: guess
+      real(dp) :: length
+
+      length = arc_length(here, next, self%corrector%units)
+      guess = next
+      call go_along(here, next, share_at([here%frequency_ratio, next%frequency_ratio], &
+                                         length*[here%tangent_frequency, next%tangent_frequency], bound), &
+                    self%corrector%units, guess)
+      guess%frequency_ratio = bound
+      next = guess
+      call self%corrector%solve_at(next, success)
+      if (.not. success) return
+      success = self%corrector%length_of(next%u - guess%u) < max(h, 1e-8_dp)
+      if (success) call self%corrector%orient(next, merge(1, -1, bound > here%frequency_ratio))
+   end subroutine stop_at
+
+end module geartrain_trace_stepper

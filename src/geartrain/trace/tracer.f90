@@ -1,0 +1,448 @@
+!> Follows a branch from one solution point until it reaches a bound, closes, leaves by the amplitude limit or cannot go on: step
+!> control, guard against jumps, folds as points of the branch, branch points and changes of stability.
+module geartrain_trace_tracer
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_observer, only: observer_type
+   use geartrain_floquet_multipliers, only: are_numbers, side_of_fold
+   use geartrain_trace_branch, only: branch_type, multipliers_at, trace_state_type
+   use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_crossings, only: add_branch_point, crossing_type, find_crossings
+   use geartrain_trace_growth_changes, only: add_growth_change
+   use geartrain_trace_hidden_changes, only: add_hidden_changes
+   use geartrain_trace_out_of_reach, only: find_out_of_reach
+   use geartrain_trace_probed_changes, only: add_stability_changes
+   use geartrain_trace_special_points, only: add_special_point, locate_fold
+   use geartrain_trace_stability_changes, only: largest_multiplier
+   use geartrain_trace_step_extremes, only: quantities_type
+   use geartrain_trace_step_geometry, only: passes_half_period, sense_of, way_to
+   use geartrain_trace_step_length, only: carries_same, closes, crosses_branch, large, next_step
+   use geartrain_trace_stepper, only: stepper_type
+   implicit none (type, external)
+   private
+   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, met_half_period
+
+   !> Outcomes of a trace: it reached the target bound; came back to the other bound; closed where it began; passed the amplitude
+   !> limit; was ended by the observer; failed with the smallest step; had max_points, or motions out of reach; met the branch
+   !> of half its period.
+   integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, cancelled = 5, stuck = 6, &
+                         full = 7, met_half_period = 8
+   !> The trace goes on.
+   integer, parameter :: under_way = 0
+
+   !> Length of the first step, and of the smallest one, in the metric of the branch.
+   real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
+   !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
+   real(dp), parameter :: named_from = 3
+   !> Length of a step that is as good as the fold in it.
+   real(dp), parameter :: fold_itself = 1e-6_dp
+
+   type, extends(stepper_type) :: tracer_type
+      !> Largest rms of a mesh over characteristic length [1].
+      real(dp) :: amplitude_limit = huge(1.0_dp)
+      !> Name of the analysis told to the observer: 'response', or 'branch' for a further branch.
+      character(8) :: analysis = 'response'
+      !> Points and special points of the branch before the step under way.
+      integer :: kept(2) = 0
+      !> The next trace goes on from branch%trace.
+      logical :: resumes = .false.
+   contains
+      procedure :: trace, tell_missed, note_state, restore_state
+      procedure, private :: find_end, add_fold, add_changes, jumped
+   end type tracer_type
+
+contains
+
+   !> Follows the branch within the bounds.
+   subroutine trace(self, here, low, high, target, branch, outcome, reason, observer, began, point)
+      class(tracer_type), intent(inout) :: self
+      !> Where to begin: solved, oriented and a point of the branch already. Afterwards, where the branch passed the amplitude
+      !> limit, the first point above the limit.
+      type(solution_point_type), intent(inout) :: here
+      !> Bounds of Lambda [1], and which of the two is the end: at the other bound the branch has come back.
+      real(dp), intent(in) :: low, high, target
+      !> Gets the points, special points and, where allocated, the state of the trace.
+      type(branch_type), intent(inout), target :: branch
+      !> How the trace ended: a constant of this module.
+      integer, intent(out) :: outcome
+      !> How the trace ended, in words.
+      character(:), allocatable, intent(out) :: reason
+      !> Told of each step; may end the trace.
+      class(observer_type), intent(inout), optional :: observer
+      !> Where the branch began, and closes: `here` unless it is given. Put onto the present harmonics where the branch passes the
+      !> amplitude limit.
+      type(solution_point_type), intent(inout), optional :: began
+      !> Number of the point of the branch that `here` is: the latest point unless it is given.
+      integer, intent(in), optional :: point
+      type(solution_point_type) :: next, origin, fold
+      type(quantities_type) :: at_here
+      real(dp) :: h, way, longer, shorter, gap, fold_at, off_curve
+      integer :: steps, before, sense, i, missed
+      logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden
+      type(crossing_type), allocatable :: crossings(:)
+
+      before = branch%points
+      if (present(point)) before = point
+      next = here
+      origin = here
+      if (present(began)) origin = began
+      sense = sense_of(here, self%corrector%units)
+      h = self%shown_step(min(first_step, self%settings%step), here, low, high)
+      steps = 0
+      closing = .false.
+      if (allocated(self%before%u)) deallocate (self%before%u)
+      if (self%resumes) then
+         self%resumes = .false.
+         here = branch%trace%here
+         self%before = branch%trace%earlier
+         origin = branch%trace%origin
+         h = branch%trace%step
+         steps = branch%trace%steps
+         sense = branch%trace%sense
+         call self%corrector%keep_equal(origin)
+      else
+         call self%keep_equal(here, origin)
+      end if
+      call at_here%find(self%corrector, self%recorder%transform, here)
+      do
+         ! After an interrupt `drop_step` cuts the branch back to `kept`: an interrupted first step takes the first point with it.
+         if (.not. self%system%interrupt%raised()) self%kept = [branch%points, size(branch%special_points)]
+         missed = self%missed
+         call self%take_step(here, origin, closing, h, low, high, next, off_curve, shorter, success)
+         way = h
+         longer = h
+         at_bound = success .and. .not. closing .and. .not. (next%frequency_ratio > low .and. next%frequency_ratio < high)
+         crosses = .false.
+         if (at_bound) then
+            call self%stop_at(merge(high, low, next%frequency_ratio > low), here, next, h, success)
+            way = way_to(here, next, self%corrector%units)
+         else if (success .and. .not. closing) then
+            longer = next_step(self%corrector, here, next, h, &
+                               self%settings%step*max(1.0_dp, self%corrector%length_of(next%u)/large), off_curve)
+            longer = self%shown_step(longer, next, low, high)
+            self%curvature = (next%tangent_frequency - here%tangent_frequency)/h
+            crosses = crosses_branch(here, next)
+         end if
+         if (success .and. .not. (crosses .or. self%vanishes())) then
+            call self%cut_step(here, at_here, next, cut)
+            if (cut) way = way_to(here, next, self%corrector%units)
+            at_bound = at_bound .and. .not. cut
+            closing = closing .and. .not. cut
+         end if
+         call find_crossings(self%corrector, here, next, way, crosses, success, crossings)
+         if (success) call self%adapt(next, success, here, origin, fixed=at_bound .or. closing)
+         if (closing .and. .not. success) exit
+         if (.not. success) then
+            h = h*shorter
+            if (h >= smallest_step) cycle
+            outcome = stuck
+            call self%tell_trouble(reason)
+            reason = 'step below '//text(smallest_step)//' at Lambda = '//text(here%frequency_ratio)//': '//reason
+            return
+         end if
+         fold_at = 0
+         ! A branch that meets the branch of half its period goes on as its own mirror image: Lambda only seems to turn there.
+         meets = passes_half_period(here, next, self%corrector%balance%waves())
+         if (sense*sense_of(next, self%corrector%units) < 0 .and. .not. (meets .or. crosses)) then
+            call self%add_fold(here, next, origin, way, at_bound, before, fold, fold_at, branch, success)
+            if (.not. success) then
+               h = h/3
+               ! `here` may have been put onto more harmonics.
+               call self%corrector%correct(here, success)
+               if (success .and. h >= smallest_step) cycle
+               outcome = stuck
+               reason = 'no fold where Lambda turns, at Lambda = '//text(here%frequency_ratio)
+               return
+            end if
+         end if
+         if (fold_at > 0) then
+            call self%record(next, branch, fold, branch%points)
+         else
+            call self%record(next, branch, here, before)
+         end if
+         ! Nearer to a fold than that balance and multipliers may place it on different sides.
+         known = way <= first_step .or. meets .or. crosses .and. size(crossings) == 0
+         lost = .false.
+         if (.not. known) lost = self%jumped(here, next, before, fold_at > 0, sum(crossings%multiplicity), branch)
+         if (.not. lost) then
+            do i = 1, size(crossings)
+               if (.not. meets) call add_branch_point(branch, before, crossings(i))
+            end do
+            hidden = .false.
+            call self%add_changes(here, next, fold, fold_at, before, branch, hidden)
+            lost = hidden .and. .not. known .and. size(crossings) == 0
+         end if
+         if (lost) then
+            branch%points = self%kept(1)
+            branch%special_points = branch%special_points(:self%kept(2))
+            self%missed = missed
+            closing = .false.
+            h = min(h, way)/3
+            call self%corrector%correct(here, success)
+            if (success) cycle
+            outcome = stuck
+            reason = 'the branch is lost at Lambda = '//text(here%frequency_ratio)
+            return
+         end if
+         if (self%recorder%stability .and. .not. self%vanishes()) then
+            ! Of the steps that now have a point after them, the one to a fold included.
+            associate (n => branch%points)
+               call add_hidden_changes(self%corrector, self%recorder%monodromy, max(before, n - 2) - 1, n - 2, branch, self%kept(2))
+            end associate
+         end if
+         if (sense_of(next, self%corrector%units) /= 0) sense = sense_of(next, self%corrector%units)
+         at_here = self%quantities
+         steps = steps + 1
+
+         if (closing) exit
+         call self%find_end(at_bound, meets, target, before, branch, outcome, reason)
+         if (outcome /= under_way .and. self%recorder%stability .and. .not. self%vanishes()) &
+            call add_hidden_changes(self%corrector, self%recorder%monodromy, branch%points - 1, branch%points - 1, branch, &
+                                    self%kept(2))
+         if (outcome == left_by_amplitude) then
+            here = next
+            if (present(began)) began = origin
+         end if
+         if (outcome /= under_way) return
+
+         h = longer
+         self%before = here
+         here = next
+         before = branch%points
+         call self%relax(here, origin)
+         if (.not. carries_same(here, next)) call at_here%find(self%corrector, self%recorder%transform, here)
+         if (steps > 3) closing = closes(self%corrector, self%before, here, origin, h, gap) .and. .not. crosses_branch(here, origin)
+         if (closing) h = gap
+
+         ! Last in the loop: the observer may write the branch to a checkpoint, from which another run goes on by branch%trace.
+         if (.not. present(observer) .or. closing) cycle
+         if (allocated(branch%trace)) then
+            call self%note_state(branch%trace)
+            branch%trace%steps = steps
+            branch%trace%step = h
+            branch%trace%sense = sense
+            branch%trace%here = here
+            branch%trace%earlier = self%before
+            branch%trace%origin = origin
+         end if
+         keep_going = .true.
+         call observer%on_step(trim(self%analysis), branch%points, here%frequency_ratio, keep_going)
+         if (keep_going) cycle
+         outcome = cancelled
+         branch%cancelled = .true.
+         reason = 'cancelled at Lambda = '//text(here%frequency_ratio)
+         return
+      end do
+      outcome = closed_loop
+      reason = 'closed where it began, at Lambda = '//text(origin%frequency_ratio)
+   end subroutine trace
+
+   !> Whether and how the trace ends at the latest point of the branch; the step began at point number `before`.
+   subroutine find_end(self, at_bound, meets, target, before, branch, outcome, reason)
+      class(tracer_type), intent(in) :: self
+      logical, intent(in) :: at_bound, meets
+      real(dp), intent(in) :: target
+      integer, intent(in) :: before
+      type(branch_type), intent(in) :: branch
+      integer, intent(out) :: outcome
+      character(:), allocatable, intent(inout) :: reason
+      character(:), allocatable :: words
+      integer :: mesh
+
+      associate (n => branch%points, frequency_ratio => branch%frequency_ratio(branch%points))
+         mesh = maxloc(branch%rms(:, n), 1)
+         outcome = under_way
+         if (at_bound) then
+            outcome = merge(reached_end, came_back, abs(frequency_ratio - target) <= 0)
+            reason = 'reached Lambda = '//text(frequency_ratio)
+            if (outcome == came_back) reason = 'came back to Lambda = '//text(frequency_ratio)
+         else if (meets) then
+            outcome = met_half_period
+            reason = 'met the branch of half its period at Lambda = '//text(frequency_ratio)
+         else if (branch%rms(mesh, n) > max(self%amplitude_limit, branch%rms(mesh, before))) then
+            ! Not where the rms falls: a branch may begin above the limit.
+            outcome = left_by_amplitude
+            reason = 'rms of mesh '//text(mesh)//' passed the amplitude limit '//text(self%amplitude_limit) &
+                     //' at Lambda = '//text(frequency_ratio)
+         else if (n >= self%settings%max_points) then
+            outcome = full
+            reason = 'max_points = '//text(self%settings%max_points)//' reached at Lambda = '//text(frequency_ratio)
+         else if (self%chooses_sets .and. self%corrector%balance%has_long_period()) then
+            call find_out_of_reach(branch%error_estimate(:n), self%missed, self%settings%tolerance, frequency_ratio, words)
+            if (.not. allocated(words)) return
+            outcome = full
+            reason = words
+         end if
+      end associate
+   end subroutine find_end
+
+   !> Notes what the next trace, from the other end, takes over from the trace so far.
+   pure subroutine note_state(self, state)
+      class(tracer_type), intent(in) :: self
+      !> Gets harmonics, curvature and missed points.
+      type(trace_state_type), intent(inout) :: state
+
+      state%harmonics = self%corrector%balance%highest
+      state%curvature = self%curvature
+      state%missed = self%missed
+   end subroutine note_state
+
+   !> Takes back what `note_state` noted.
+   subroutine restore_state(self, state)
+      class(tracer_type), intent(inout) :: self
+      !> State with harmonics, curvature and missed points.
+      type(trace_state_type), intent(in) :: state
+
+      if (self%chooses_sets .and. state%steps > 0) then
+         call self%prepare(state%harmonics, state%here%harmonic)
+      else if (self%corrector%balance%highest /= state%harmonics .and. .not. self%chooses_sets) then
+         call self%prepare(state%harmonics)
+      end if
+      self%curvature = state%curvature
+      self%missed = state%missed
+   end subroutine restore_state
+
+   !> Records the fold between `here` and `next`, a distance h apart, as a point of the branch, and solves `next` again, so that the
+   !> corrector worked on `next` last.
+   subroutine add_fold(self, here, next, origin, h, at_bound, point, fold, fold_at, branch, success)
+      class(tracer_type), intent(inout) :: self
+      type(solution_point_type), intent(inout) :: here, next, origin
+      real(dp), intent(in) :: h
+      !> Lambda of `next` is a bound.
+      logical, intent(in) :: at_bound
+      !> Number of the point of the branch that `here` is.
+      integer, intent(in) :: point
+      !> The fold and its distance from `here`; fold_at = 0: it is no point of its own.
+      type(solution_point_type), intent(inout) :: fold
+      real(dp), intent(out) :: fold_at
+      type(branch_type), intent(inout), target :: branch
+      !> False where there is no fold between `here` and `next`, or no `next`, with the harmonics that the fold needs: nothing is
+      !> recorded, and a shorter step shows where Lambda turns.
+      logical, intent(out) :: success
+      type(solution_point_type) :: guess
+      integer :: kept(2), turned
+      logical :: enough
+
+      kept = [branch%points, size(branch%special_points)]
+      turned = sense_of(next, self%corrector%units)
+      fold_at = 0
+      if (sense_of(here, self%corrector%units) == 0) then
+         call add_special_point(branch, 'fold', here%frequency_ratio, point, branch%rms(:, point))
+         success = .true.
+         return
+      end if
+      do
+         fold = next
+         call locate_fold(self%corrector, here, next, h, fold, fold_at, success)
+         if (.not. success) exit
+         call self%adapt(fold, enough, here, origin)
+         if (carries_same(fold, next)) exit
+         ! With more harmonics the fold lies elsewhere.
+         call self%corrector%refit(next)
+      end do
+      if (success) then
+         call self%record(fold, branch, here, point)
+         call add_special_point(branch, 'fold', fold%frequency_ratio, branch%points, branch%rms(:, branch%points))
+      else
+         fold_at = 0
+         if (h < fold_itself) call add_special_point(branch, 'fold', here%frequency_ratio, point, branch%rms(:, point))
+         success = h < fold_itself
+      end if
+      if (success .and. at_bound) then
+         call self%corrector%solve_at(next, success)
+         if (success) call self%corrector%orient(next, turned)
+      else if (success) then
+         guess = next
+         call self%corrector%advance(here, h, next, success, guess)
+         if (success) success = sense_of(next, self%corrector%units)*turned >= 0
+      end if
+      if (success) return
+      fold_at = 0
+      branch%points = kept(1)
+      branch%special_points = branch%special_points(:kept(2))
+   end subroutine add_fold
+
+   !> Whether the latest step led to another branch: along a branch the number of real multipliers above 1 is even or odd, and
+   !> changes this at a fold and at a branch point alone. Only points at which it is decided tell.
+   logical function jumped(self, here, next, before, folds, crossings, branch)
+      class(tracer_type), intent(in) :: self
+      !> Ends of the step.
+      type(solution_point_type), intent(in) :: here, next
+      !> Number of the point of the branch at which the step began.
+      integer, intent(in) :: before
+      !> There is a fold in the step; number of multipliers that pass +1 at branch points in it.
+      logical, intent(in) :: folds
+      integer, intent(in) :: crossings
+      type(branch_type), intent(in) :: branch
+      complex(dp) :: first(branch%states), last(branch%states)
+
+      jumped = .false.
+      if (.not. self%recorder%stability .or. self%vanishes() .or. branch%states == 0) return
+      if (sense_of(here, self%corrector%units)*sense_of(next, self%corrector%units) == 0) return
+      associate (n => branch%points)
+         if (branch%count_undecided(before) .or. branch%count_undecided(n)) return
+         first = multipliers_at(branch, before)
+         last = multipliers_at(branch, n)
+      end associate
+      if (.not. (are_numbers(first) .and. are_numbers(last))) return
+      if (max(abs(first(1)), abs(last(1))) > largest_multiplier) return
+      jumped = mod(side_of_fold(first) + side_of_fold(last) + merge(1, 0, folds) + crossings, 2) /= 0
+   end function jumped
+
+   !> Lists the changes of stability in the latest step, from `here` to `next`: before and after its fold, if any.
+   subroutine add_changes(self, here, next, fold, fold_at, before, branch, hidden)
+      class(tracer_type), intent(inout) :: self
+      type(solution_point_type), intent(in) :: here, next, fold
+      real(dp), intent(in) :: fold_at
+      !> Number of the point of the branch that `here` is.
+      integer, intent(in) :: before
+      type(branch_type), intent(inout), target :: branch
+      !> Becomes true where it hides folds or a narrow resonance.
+      logical, intent(inout) :: hidden
+
+      ! A train at rest at a wall of its gaps has no multipliers.
+      if (.not. self%recorder%stability .or. self%vanishes()) return
+      associate (corrector => self%corrector, monodromy => self%recorder%monodromy, n => branch%points)
+         if (branch%states == 0) then
+            call add_growth_change(corrector, monodromy, here, next, before, n, branch)
+            return
+         end if
+         if (fold_at > 0) then
+            call add_stability_changes(corrector, monodromy, here, fold, before, n - 1, branch, hidden)
+            call add_stability_changes(corrector, monodromy, fold, next, n - 1, n, branch, hidden)
+         else
+            call add_stability_changes(corrector, monodromy, here, next, before, n, branch, hidden)
+         end if
+      end associate
+   end subroutine add_changes
+
+   !> Adds to the reason for the end how many points miss the tolerance; a branch whose points all miss it is not complete. Where a
+   !> branch is nearly vertical a small error of Lambda is a large error at constant Lambda, which more harmonics hardly reduce.
+   !> A mesh of small amplitude, and its force, may have a large relative error where the error of all meshes together is small.
+   subroutine tell_missed(self, branch)
+      class(tracer_type), intent(in) :: self
+      !> Traced branch; gets `ended` and `complete`.
+      type(branch_type), intent(inout) :: branch
+      integer :: steep, worst(2)
+
+      if (self%settings%harmonics /= 0) return
+      if (branch%points > 0) then
+         worst = maxloc(branch%mesh_error_estimate(:, :branch%points), &
+                        spread(branch%error_estimate(:branch%points) <= self%settings%tolerance, 1, branch%meshes))
+         if (all(worst > 0)) then
+            associate (error => branch%mesh_error_estimate(worst(1), worst(2)))
+               if (error > named_from*self%settings%tolerance) branch%ended = branch%ended//'; mesh '//text(worst(1)) &
+                  //' has a small amplitude: its relative error is up to '//text(error)//', above the tolerance'
+            end associate
+         end if
+      end if
+      steep = count(branch%error_estimate(:branch%points) > self%settings%tolerance) - self%missed
+      if (steep > 0) branch%ended = branch%ended//'; '//text(steep)//' points where it is nearly vertical miss the tolerance'
+      if (self%missed == 0) return
+      if (self%missed >= branch%points) branch%complete = .false.
+      branch%ended = branch%ended//'; '//text(min(self%missed, branch%points))//' of '//text(branch%points) &
+                     //' points miss the tolerance '//text(self%settings%tolerance)//' with '//text(branch%harmonics) &
+                     //' harmonics at most'
+   end subroutine tell_missed
+
+end module geartrain_trace_tracer

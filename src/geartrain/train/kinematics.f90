@@ -1,0 +1,204 @@
+!> Speeds of the bodies of a train whose meshes all have teeth, as ratios of whole numbers, and the orders of the fundamental that
+!> follow.
+!>
+!> The fundamental is the greatest common divisor of all mesh frequencies and of the speeds of bodies with a torque of their own
+!> revolution: the frequency at which all repeats.
+module geartrain_train_kinematics
+   use, intrinsic :: iso_fortran_env, only: int64
+   use geartrain_base_kinds, only: dp
+   use geartrain_train_bodies, only: body_count, find_carriers, find_ends
+   use geartrain_train_mesh, only: is_given
+   use geartrain_train_train, only: train_type
+   use geartrain_train_turning, only: find_turning, turning_type
+   implicit none (type, external)
+   private
+   public :: kinematics_type, all_toothed, find_kinematics, greatest_divisor
+
+   !> Largest whole number of a ratio: the product of two such numbers and a number of teeth does not overflow.
+   integer(int64), parameter :: most = 2_int64**22
+
+   type :: kinematics_type
+      !> Whether orders and speeds were found; .false. also where a number exceeds 2^22.
+      logical :: known = .false.
+      !> How the bodies turn.
+      type(turning_type) :: turning
+      !> Turns per turn of the body whose revolutions are the speed, as numerator >= 0 and denominator, (2, body); turns of this
+      !> body per period of the fundamental are fundamental(2)/fundamental(1).
+      integer(int64), allocatable :: rate(:, :)
+      integer(int64) :: fundamental(2) = [1_int64, 1_int64]
+      !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); revolution_order is 0 where the
+      !> body has no torque of its own revolution.
+      integer, allocatable :: order(:), revolution_order(:)
+      !> Number of the body whose revolutions are the speed, 0: no body has the name; its turns per period of the fundamental [1].
+      integer :: speed_body = 1
+      real(dp) :: speed_ratio = 0
+   end type kinematics_type
+
+contains
+
+   !> Whether every mesh has the numbers of teeth of both gears.
+   pure logical function all_toothed(train)
+      !> The train; its meshes are allocated.
+      type(train_type), intent(in) :: train
+      integer :: i
+
+      all_toothed = size(train%meshes) > 0
+      do i = 1, size(train%meshes)
+         if (.not. all_toothed) return
+         all_toothed = is_given(train%meshes(i)%teeth)
+         if (all_toothed) all_toothed = size(train%meshes(i)%teeth) == 2
+         if (all_toothed) all_toothed = all(train%meshes(i)%teeth >= 1 .and. train%meshes(i)%teeth <= 1e5_dp)
+      end do
+   end function all_toothed
+
+   !> Finds speeds and orders; not `known` where a mesh has no teeth, a name is unknown, or speeds are not determined.
+   pure subroutine find_kinematics(train, found)
+      !> The train; its shafts and meshes are allocated, with M shafts and M - 1 meshes in a chain.
+      type(train_type), intent(in) :: train
+      !> Speeds and orders.
+      type(kinematics_type), intent(out) :: found
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: carrier(size(train%meshes)), i
+      !> Mesh frequencies, and revolutions of bodies with a torque of their own, per turn of the speed, (2, mesh or body).
+      integer(int64) :: engaging(2, size(train%meshes)), signed(2, body_count(train))
+      !> The fundamental.
+      integer(int64) :: divisor, common
+
+      allocate (found%rate(2, body_count(train)), source=0_int64)
+      allocate (found%order(size(train%meshes)), found%revolution_order(body_count(train)), source=0)
+      if (.not. all_toothed(train)) return
+      call find_ends(train, shaft_ends, mesh_ends)
+      call find_carriers(train, carrier)
+      if (any(shaft_ends == 0) .or. any(mesh_ends == 0) .or. any(carrier < 0)) return
+      call find_turning(train, found%turning)
+      found%speed_body = found%turning%reference
+      if (.not. found%turning%determined) return
+      do i = 1, size(signed, 2)
+         signed(:, i) = ratio_of(found%turning%speed(i))
+      end do
+      if (any(signed(2, :) == 0)) return
+      do i = 1, size(train%meshes)
+         engaging(:, i) = engaged(i, 1)
+         ! Both gears of a pair engage as often, an external pair in opposite senses.
+         if (any(engaging(:, i) /= engaged(i, 2)*[merge(1_int64, -1_int64, train%meshes(i)%internal), 1_int64])) return
+         engaging(1, i) = abs(engaging(1, i))
+      end do
+      found%rate = abs(signed)
+      if (any(engaging(1, :) == 0) .or. any(engaging > most)) return
+      divisor = 0
+      common = 1
+      do i = 1, size(engaging, 2)
+         call include(engaging(:, i), divisor, common)
+      end do
+      do i = 1, size(signed, 2)
+         if (turns(train, i)) call include(found%rate(:, i), divisor, common)
+      end do
+      if (common > most) return
+      do i = 1, size(engaging, 2)
+         if (multiple(engaging(:, i)) > most) return
+         found%order(i) = int(multiple(engaging(:, i)))
+      end do
+      do i = 1, size(signed, 2)
+         if (.not. turns(train, i)) cycle
+         if (multiple(found%rate(:, i)) > most) return
+         found%revolution_order(i) = int(multiple(found%rate(:, i)))
+      end do
+      found%fundamental = [divisor, common]
+      found%speed_ratio = real(common, dp)/real(divisor, dp)
+      found%known = .true.
+
+   contains
+
+      pure integer(int64) function multiple(frequency)
+         integer(int64), intent(in) :: frequency(2)
+
+         multiple = (frequency(1)/divisor)*(common/frequency(2))
+      end function multiple
+
+      !> Teeth of a gear of a mesh that engage per turn of the speed: those of its speed against the carrier.
+      pure function engaged(mesh, gear) result(frequency)
+         integer, intent(in) :: mesh, gear
+         integer(int64) :: frequency(2)
+
+         frequency = signed(:, mesh_ends(gear, mesh))
+         if (carrier(mesh) > 0) frequency = difference(frequency, signed(:, carrier(mesh)))
+         frequency(1) = frequency(1)*int(train%meshes(mesh)%teeth(gear), int64)
+         frequency = frequency/greatest_divisor(abs(frequency(1)), frequency(2))
+      end function engaged
+
+   end subroutine find_kinematics
+
+   !> Makes a frequency a multiple of divisor/common.
+   pure subroutine include(frequency, divisor, common)
+      !> Numerator and denominator.
+      integer(int64), intent(in) :: frequency(2)
+      integer(int64), intent(inout) :: divisor, common
+
+      if (frequency(1) == 0 .or. common > most) return
+      divisor = greatest_divisor(divisor, frequency(1))
+      common = common*(frequency(2)/greatest_divisor(common, frequency(2)))
+   end subroutine include
+
+   !> Whether a body has a torque of its own revolution.
+   pure logical function turns(train, body)
+      type(train_type), intent(in) :: train
+      !> Number of the body.
+      integer, intent(in) :: body
+
+      turns = .false.
+      if (.not. allocated(train%bodies)) return
+      turns = is_given(train%bodies(body)%revolution_torque_cos) .or. is_given(train%bodies(body)%revolution_torque_sin)
+   end function turns
+
+   !> A number as a ratio of whole numbers of at most 2^22, by its continued fraction; 0/0 where it is none. Two such ratios are
+   !> further apart than rounding.
+   pure function ratio_of(number) result(ratio)
+      real(dp), intent(in) :: number
+      integer(int64) :: ratio(2), before(2), next(2)
+      real(dp) :: rest
+      integer :: i
+
+      before = [0, 1]
+      ratio = [1, 0]
+      rest = abs(number)
+      do i = 1, 64
+         if (rest > most) exit
+         next = int(rest, int64)*ratio + before
+         if (any(next > most)) exit
+         before = ratio
+         ratio = next
+         if (abs(real(ratio(1), dp) - abs(number)*real(ratio(2), dp)) <= 5e-14_dp*real(max(1_int64, ratio(1)), dp)) then
+            if (number < 0) ratio(1) = -ratio(1)
+            return
+         end if
+         rest = 1/(rest - int(rest, int64))
+      end do
+      ratio = 0
+   end function ratio_of
+
+   !> Difference of two ratios, in lowest terms.
+   pure function difference(one, other) result(ratio)
+      integer(int64), intent(in) :: one(2), other(2)
+      integer(int64) :: ratio(2)
+
+      ratio = [one(1)*other(2) - other(1)*one(2), one(2)*other(2)]
+      ratio = ratio/greatest_divisor(abs(ratio(1)), ratio(2))
+   end function difference
+
+   !> Greatest common divisor of two numbers >= 0, of which one may be 0.
+   elemental integer(int64) function greatest_divisor(a, b) result(divisor)
+      !> The numbers.
+      integer(int64), intent(in) :: a, b
+      integer(int64) :: x, y, rest
+
+      x = a
+      y = b
+      do while (y /= 0)
+         rest = mod(x, y)
+         x = y
+         y = rest
+      end do
+      divisor = x
+   end function greatest_divisor
+
+end module geartrain_train_kinematics

@@ -1,0 +1,187 @@
+!> A gear pair in SI units.
+module geartrain_train_mesh
+   use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_series, only: make_series, series_type
+   use geartrain_base_variable, only: largest
+   use geartrain_mesh_law_law, only: law_type
+   use geartrain_train_body, only: name_length
+   implicit none (type, external)
+   private
+   public :: mesh_type, has_table, is_given, most_order, plain_mesh, put_law
+
+   !> Highest mesh frequency over the fundamental [1].
+   integer, parameter :: most_order = 1000000
+
+   type :: mesh_type
+      !> Label in results; blank: by the names of the bodies.
+      character(name_length) :: name = ''
+      !> Names of the bodies of the driving and the driven gear; blank in a chain.
+      character(name_length) :: between(2) = ''
+      !> Name of the body on which both gears ride; blank: their axes stand still.
+      character(name_length) :: carrier = ''
+      !> An internal gear pair: both gears turn in one sense.
+      logical :: internal = .false.
+      !> Base circle radii [m].
+      real(dp) :: driving_radius = 0, driven_radius = 0
+      !> Of a chain: polar moments of inertia of the gears [kg m^2].
+      real(dp) :: driving_inertia = 0, driven_inertia = 0
+      !> Mean mesh stiffness [N/m].
+      real(dp) :: stiffness = 0
+      !> Damping ratio [1], c/(2 sqrt(k m_eq)), m_eq = I_a I_b/(r_a^2 I_b + r_b^2 I_a); or `damping`.
+      real(dp) :: damping_ratio = 0
+      !> Damping coefficient [N s/m], in force when `damping_given`.
+      real(dp) :: damping = 0
+      logical :: damping_given = .false.
+      !> Loss factor [1], in place of both; 0: not given.
+      real(dp) :: loss_factor = 0
+      !> 'always' or 'contact': not while the teeth are apart.
+      character(8) :: damping_acts = 'always'
+      !> Half of the backlash [m]; 0 makes the mesh linear.
+      real(dp) :: half_backlash = 0
+      !> Mean stiffness of the back flanks [N/m], 0: equal to `stiffness`; lag of kappa of the back flanks behind kappa of the drive
+      !> flanks [rad of the mesh cycle].
+      real(dp) :: back_stiffness = 0, back_phase = 0
+      !> Harmonics 1..K of kappa(t) = 1 + ... [1], equation (7a); empty where there are none.
+      real(dp), allocatable :: stiffness_cos(:), stiffness_sin(:)
+      !> In place of stiffness and its harmonics: stiffness at equidistant instants of a mesh cycle from its beginning [N/m].
+      real(dp), allocatable :: stiffness_table(:)
+      !> In place of the harmonics: contact ratio of a rectangular wave of the stiffness [1], 0: not given; harmonics of this wave.
+      real(dp) :: contact_ratio = 0
+      integer :: stiffness_harmonics = 5
+      !> Lag of kappa and of the transmission error [rad of the mesh cycle].
+      real(dp) :: phase = 0
+      !> Harmonics 1.. of the static transmission error [m], equation (7b), which adds to the mesh displacement.
+      real(dp), allocatable :: error_cos(:), error_sin(:)
+      !> Mesh frequency as a multiple of the fundamental, m_n [1]; 0: by the teeth where every mesh has them, else 1.
+      integer :: order = 0
+      !> From the drawing, see geartrain_drawing_gear_pair: numbers of teeth, (2); normal module [m]; normal pressure angle and
+      !> helix angle at the reference circle [degree]; face width [m]; profile shifts [1], (2); centre distance [m], 0: without
+      !> backlash; tip diameters [m], (2); dedendum of the basic rack over the module [1]; backlash along the working pitch circles
+      !> [m]; moduli of elasticity [N/m^2], (2).
+      real(dp), allocatable :: teeth(:), profile_shift(:), tip_diameter(:), elastic_modulus(:)
+      real(dp) :: normal_module = 0, pressure_angle = 20, helix_angle = 0, face_width = 0, centre_distance = 0, dedendum = 1.25_dp
+      real(dp) :: backlash = 0
+      !> Of the gears as discs: bores [m], (2), and density [kg/m^3].
+      real(dp), allocatable :: bore(:)
+      real(dp) :: density = 7850
+      !> Derived: static force [N] below which the stiffness by ISO 6336-1 falls; 0: the stiffness is given.
+      real(dp) :: light_force = 0
+   end type mesh_type
+
+contains
+
+   !> Whether the stiffness is given by a table.
+   pure logical function has_table(mesh)
+      !> The mesh as given.
+      type(mesh_type), intent(in) :: mesh
+
+      has_table = is_given(mesh%stiffness_table)
+   end function has_table
+
+   !> Whether a list is given: an empty list is not.
+   pure logical function is_given(list)
+      !> Values in any unit; may be unallocated.
+      real(dp), allocatable, intent(in) :: list(:)
+
+      is_given = .false.
+      if (allocated(list)) is_given = size(list) > 0
+   end function is_given
+
+   !> Replaces table, contact ratio and phase of a mesh by mean stiffness and harmonics of an equal force.
+   pure subroutine plain_mesh(mesh, plain)
+      !> The mesh as given.
+      type(mesh_type), intent(in) :: mesh
+      !> The mesh with mean stiffness and harmonics only.
+      type(mesh_type), intent(out) :: plain
+      integer :: h
+
+      plain = mesh
+      if (mesh%contact_ratio > 0) then
+         ! A rectangular wave: one more tooth pair is in contact during the share contact_ratio - 1 of the cycle.
+         plain%stiffness_cos = [(2*sin(h*pi*(mesh%contact_ratio - 1))/(h*pi*mesh%contact_ratio), h=1, mesh%stiffness_harmonics)]
+      else if (has_table(mesh)) then
+         if (all(mesh%stiffness_table > 0 .and. mesh%stiffness_table <= largest)) call transform(mesh%stiffness_table, plain)
+      end if
+      plain%contact_ratio = 0
+      if (allocated(plain%stiffness_table)) deallocate (plain%stiffness_table)
+      if (.not. abs(mesh%phase) > 0) return
+      call delay(mesh%phase, plain%stiffness_cos, plain%stiffness_sin)
+      call delay(mesh%phase, plain%error_cos, plain%error_sin)
+      plain%phase = 0
+   end subroutine plain_mesh
+
+   !> Makes the force law of a plain mesh. Its damping is relative to the damping of the mesh until `law_type%complete`.
+   pure subroutine put_law(mesh, length, law)
+      !> A mesh from `plain_mesh`.
+      type(mesh_type), intent(in) :: mesh
+      !> Unit of displacements in the law, b_c [m].
+      real(dp), intent(in) :: length
+      !> Walls, stiffness, origin, amplitudes and relative damping of the regions.
+      type(law_type), intent(out) :: law
+      type(series_type) :: kappa
+      real(dp) :: back
+      integer :: h
+
+      kappa = make_series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
+      associate (b => mesh%half_backlash/length)
+         if (b > 0) then
+            call law%begin(-1, [-b, b], kappa%harmonic)
+         else
+            call law%begin(1, [real(dp) ::], kappa%harmonic)
+         end if
+         law%order = mesh%order
+         law%damping(:) = 1
+         ! The drive flank.
+         law%stiffness(1) = 1
+         law%origin(1) = b
+         law%amplitude(:, 1) = kappa%amplitude
+         if (.not. b > 0) return
+         ! The gap.
+         if (mesh%damping_acts == 'contact') law%damping(0) = 0
+         ! The back flank.
+         back = 1
+         if (mesh%back_stiffness > 0) back = mesh%back_stiffness/mesh%stiffness
+         law%stiffness(-1) = back
+         law%origin(-1) = -b
+         law%amplitude(:, -1) = [(back*kappa%amplitude(h)*exp(cmplx(0, -h*mesh%back_phase, dp)), h=1, size(kappa%amplitude))]
+      end associate
+   end subroutine put_law
+
+   !> Sets mean stiffness and harmonics to the trigonometric polynomial of least degree through the values of a table.
+   pure subroutine transform(table, mesh)
+      real(dp), intent(in) :: table(:)
+      type(mesh_type), intent(inout) :: mesh
+      real(dp) :: share
+      integer :: h, j, n
+
+      n = size(table)
+      mesh%stiffness = sum(table)/n
+      mesh%stiffness_cos = [(0.0_dp, h=1, n/2)]
+      mesh%stiffness_sin = mesh%stiffness_cos
+      do h = 1, n/2
+         ! The highest harmonic of an even number of values is a cosine.
+         share = merge(1.0_dp, 2.0_dp, 2*h == n)/(n*mesh%stiffness)
+         mesh%stiffness_cos(h) = share*sum([(table(j)*cos(2*pi*h*(j - 1)/n), j=1, n)])
+         mesh%stiffness_sin(h) = share*sum([(table(j)*sin(2*pi*h*(j - 1)/n), j=1, n)])
+         if (2*h == n) mesh%stiffness_sin(h) = 0
+      end do
+   end subroutine transform
+
+   !> Delays a function of theta by `phase`, given by its harmonics; either list may be absent or shorter than the other.
+   pure subroutine delay(phase, cosine, sine)
+      real(dp), intent(in) :: phase
+      real(dp), allocatable, intent(inout) :: cosine(:), sine(:)
+      real(dp), allocatable :: a(:), b(:)
+      integer :: h, n
+
+      n = 0
+      if (allocated(cosine)) n = size(cosine)
+      if (allocated(sine)) n = max(n, size(sine))
+      allocate (a(n), b(n), source=0.0_dp)
+      if (allocated(cosine)) a(:size(cosine)) = cosine
+      if (allocated(sine)) b(:size(sine)) = sine
+      cosine = [(a(h)*cos(h*phase) - b(h)*sin(h*phase), h=1, n)]
+      sine = [(a(h)*sin(h*phase) + b(h)*cos(h*phase), h=1, n)]
+   end subroutine delay
+
+end module geartrain_train_mesh

@@ -1,0 +1,89 @@
+!> How a report calls meshes, shafts and harmonics.
+module geartrain_train_names
+   use geartrain_base_numbers, only: text
+   use geartrain_train_labels, only: held_labels, label_length, mesh_labels, shaft_labels
+   use geartrain_train_train, only: train_type
+   implicit none (type, external)
+   private
+   public :: list_numbers, mesh_names, name_length, shaft_names, torque_names
+
+   !> Most characters of a name.
+   integer, parameter :: name_length = label_length + 20
+   !> Most numbers of a list.
+   integer, parameter :: most_numbers = 6
+
+contains
+
+   !> Names of the meshes, 'mesh 1', with the bodies where these have names: 'mesh 1 (pinion - wheel)', (mesh).
+   pure function mesh_names(train) result(names)
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      character(name_length) :: names(size(train%meshes))
+      character(label_length) :: labels(size(train%meshes))
+      integer :: i
+
+      labels = mesh_labels(train)
+      do i = 1, size(names)
+         names(i) = 'mesh '//text(i)
+         if (allocated(train%bodies)) names(i) = 'mesh '//text(i)//' ('//trim(labels(i))//')'
+      end do
+   end function mesh_names
+
+   !> Names of the shafts, as of the meshes, (shaft).
+   pure function shaft_names(train) result(names)
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      character(name_length) :: names(size(train%shafts))
+      character(label_length) :: labels(size(train%shafts))
+      integer :: i
+
+      labels = shaft_labels(train)
+      do i = 1, size(names)
+         names(i) = 'shaft '//text(i)
+         if (allocated(train%bodies)) names(i) = 'shaft '//text(i)//' ('//trim(labels(i))//')'
+      end do
+   end function shaft_names
+
+   !> Names of the torques of a train: of the shafts, then 'reaction of housing' of the held bodies, (shaft, then held body).
+   pure function torque_names(train) result(names)
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      character(name_length), allocatable :: names(:)
+      character(label_length), allocatable :: held(:)
+      integer :: i
+
+      held = held_labels(train)
+      allocate (names(size(train%shafts) + size(held)))
+      names(:size(train%shafts)) = shaft_names(train)
+      do i = 1, size(held)
+         names(size(train%shafts) + i) = 'reaction of '//held(i)
+      end do
+   end function torque_names
+
+   !> The numbers of those that are there, with a word before: 'mesh 2', 'meshes 1, 2, 5'; '' for none.
+   subroutine list_numbers(is_there, one, many, words)
+      !> Whether each is there.
+      logical, intent(in) :: is_there(:)
+      !> The word for one, and the word for several.
+      character(*), intent(in) :: one, many
+      !> The list.
+      character(:), allocatable, intent(out) :: words
+      integer :: i, n
+
+      words = ''
+      n = 0
+      do i = 1, size(is_there)
+         if (.not. is_there(i)) cycle
+         n = n + 1
+         if (n > most_numbers) cycle
+         if (n > 1) words = words//', '
+         words = words//text(i)
+      end do
+      if (n == 0) return
+      if (n > most_numbers) words = words//' and '//text(n - most_numbers)//' more'
+      if (n == 1) words = one//' '//words
+      if (n > 1) words = many//' '//words
+      if (n > 2 .and. n == size(is_there)) words = 'all '//many
+   end subroutine list_numbers
+
+end module geartrain_train_names
