@@ -22,7 +22,7 @@ module geartrain_python_box
    use geartrain_model_drawing_warnings, only: warnings_text
    use geartrain_model_explain, only: explain_train, explanation_text
    use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
-   use geartrain_model_labels, only: body_labels, mesh_labels, shaft_labels
+   use geartrain_model_labels, only: body_labels, mesh_labels, planet_labels, shaft_labels
    use geartrain_model_parameter_path, only: give_variation
    use geartrain_model_train, only: train_type
    use geartrain_python_taker, only: taker_type
@@ -267,6 +267,7 @@ contains
       call fields%text_axis('body', body_labels(train), '')
       call fields%text_axis('mesh', mesh_labels(train), '')
       call fields%text_axis('shaft', shaft_labels(train), '')
+      call fields%text_axis('planet', planet_labels(train), '')
       order = plain%meshes%order
       call carry(fields, field_type('order', 'mesh'), order)
       call carry(fields, field_type('characteristic_length'), plain%characteristic_length)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ._box import Box, Group
 from ._dataset import dataset
-from ._motion_check import NUMBERS, TORQUES, UNCERTAINTIES, VALUES, check_motion
+from ._motion_check import NUMBERS, SHARES, TORQUES, UNCERTAINTIES, VALUES, check_motion
 from ._units import hertz_of, speed_of
-from .description import mesh_names, shaft_names
+from .description import mesh_names, planet_names, shaft_names
 from .errors import InputError
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
     assessed = bool(row.get("assessed", False))
     return {
         **{name: row.get(name, nothing) for name in VALUES},
-        **{name: row.get(name) for name in TORQUES},
+        **{name: row.get(name) for name in (*TORQUES, *SHARES)},
         **{name: None if row.get(name) is None or np.isnan(row[name]).all() else row[name] for name in UNCERTAINTIES},
         "window": float(np.nan_to_num(row.get("window", 0.0))),
         **{name: float(row.get(name, np.nan)) for name in ("frequency", *NUMBERS)},
@@ -61,7 +61,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
 
 
 _FIELDS = {
-    *VALUES, *TORQUES, *UNCERTAINTIES, *NUMBERS, "window",
+    *VALUES, *TORQUES, *SHARES, *UNCERTAINTIES, *NUMBERS, "window",
     *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
     *("assessed", "assessed_stable", "assessed_undecided"),
 }
@@ -103,7 +103,7 @@ def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
         "period": np.array([motion.period for motion in motions], np.intc),
         "kind": np.array([motion.kind for motion in motions], object),
         **{name: np.array([getattr(motion, name) for motion in motions], float) for name in VALUES},
-        **{name: _padded([getattr(motion, name) for motion in motions]) for name in (*TORQUES, *UNCERTAINTIES)},
+        **{name: _padded([getattr(motion, name) for motion in motions]) for name in (*TORQUES, *SHARES, *UNCERTAINTIES)},
         "window": np.array([float(motion.window) for motion in motions]) if any(motion.window for motion in motions) else None,
         "true_ac_rms": np.array([motion.rms for motion in motions], float) / np.sqrt(2),
         "coefficients": _padded([motion.coefficients for motion in motions]),
@@ -123,10 +123,11 @@ def motions_dataset(
     """Motions as the table of a group of the results file."""
     train, frequency = motions[0].train if motions else None, np.array([motion.frequency for motion in motions])
     values = as_columns(motions)
-    torque = values["shaft_torque_mean"]
+    torque, share = values["shaft_torque_mean"], values["load_share"]
     labels = {
         "mesh_label": mesh_names(train, len(motions[0].rms)) if motions else None,
         "shaft_label": None if torque is None else shaft_names(train, torque.shape[1]),
+        "planet_label": None if share is None else planet_names(train, share.shape[1]),
     }
     speeds = {"speed": speed_of(train, frequency), "fundamental_frequency": hertz_of(train, frequency)}
     return dataset(path, {**values, **labels, **speeds, **columns}, dict(attributes or {}), coordinates)

@@ -326,7 +326,8 @@ contains
       associate (one => system%network%elements(a), other => system%network%elements(b), radius => system%network%radius)
          same_elements = (one%mesh > 0 .eqv. other%mesh > 0) .and. (one%unknown .eqv. other%unknown) .and. &
             (one%elastic .eqv. other%elastic) .and. size(one%node) == size(other%node) .and. &
-            equal([one%stiffness, other%stiffness]) .and. equal([one%damping, other%damping])
+            equal([one%stiffness, other%stiffness]) .and. equal([one%damping, other%damping]) .and. &
+            equal([one%error_mean, other%error_mean])
          if (same_elements) same_elements = all(equal_numbers(one%entry/radius(one%node), other%entry/radius(other%node)))
          if (.not. same_elements .or. one%mesh == 0) return
          same_elements = same_laws(system%law(one%mesh), system%law(other%mesh)) .and. &

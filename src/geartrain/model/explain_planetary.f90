@@ -6,8 +6,10 @@ module geartrain_model_explain_planetary
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text
    use geartrain_model_labels, only: body_labels, label_length
+   use geartrain_model_load_sharing, only: mesh_load_factor
    use geartrain_model_mesh, only: is_given
    use geartrain_model_planetary_sets, only: planetary_set_type, torsion_share
+   use geartrain_model_system, only: system_type
    use geartrain_model_train, only: train_type
    use geartrain_model_turning, only: turning_type
    implicit none (type, external)
@@ -20,7 +22,10 @@ module geartrain_model_explain_planetary
 contains
 
    !> Makes the group of fields of a planetary set.
-   subroutine explain_set(train, set, turning, speed_name, fields)
+   subroutine explain_set(system, number, train, set, turning, speed_name, fields)
+      !> System of the train; number of the set.
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: number
       !> The train as given.
       type(train_type), intent(in) :: train
       !> One of its planetary sets.
@@ -49,6 +54,7 @@ contains
          call tell_turns('carrier_turns', set%carrier)
       end if
       call tell_teeth(train, set, turning, speed_name, fields)
+      call tell_sharing(system, number, fields)
       if (allocated(set%sun_meshes)) call tell_phases('sun', set%sun_meshes)
       if (allocated(set%ring_meshes)) call tell_phases('ring', set%ring_meshes)
 
@@ -98,6 +104,29 @@ contains
       end subroutine tell_phases
 
    end subroutine explain_set
+
+   !> How the planets share the load at rest.
+   subroutine tell_sharing(system, number, fields)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: number
+      class(fields_type), intent(inout) :: fields
+      real(dp), dimension(size(system%sharing%mesh)) :: share, peak
+      real(dp), allocatable :: own(:)
+      real(dp) :: factor
+      integer, allocatable :: element(:)
+
+      element = system%mesh_element(system%sharing%mesh)
+      associate (force => system%static_force(element)*system%stiffness(element)*system%characteristic_length)
+         call system%sharing%find_shares(force, abs(force), share, peak)
+      end associate
+      own = pack(share, system%sharing%set == number)
+      if (.not. all(abs(own) < huge(1.0_dp))) return
+      call carry(fields, field_type('load_share', 'planet', '1', 'static: force of each planet with the sun (ring, without a sun) &
+                                    &over their sum, by placement errors and unequal stiffnesses'), own)
+      factor = mesh_load_factor(own)
+      call carry(fields, field_type('mesh_load_factor', '', '1', 'K_gamma, static: largest load_share times the number of &
+                                    &planets'), factor)
+   end subroutine tell_sharing
 
    !> What the teeth tell: mesh frequency and assembly.
    subroutine tell_teeth(train, set, turning, speed_name, fields)

@@ -17,6 +17,7 @@ module geartrain_report_branch
    use geartrain_report_load, only: load_sides
    use geartrain_report_loads, only: say_meshes
    use geartrain_report_names, only: list_numbers, mesh_names, name_length
+   use geartrain_report_planet_loads, only: say_sharing
    use geartrain_report_ranges, only: range_words
    use geartrain_report_sheet, only: in_head, in_result, sheet_type
    use geartrain_report_torques, only: say_reversals, torque_table_type
@@ -169,6 +170,8 @@ contains
          call find_errors(branch, train, largest, error)
          call say_meshes(branch%mesh_load(:, :n), largest, at, at_end, error, sweep, contact, names, told, sheet)
          call say_ends(branch, largest, at_end, sheet)
+         if (allocated(branch%load_share)) call say_sharing(branch%load_share(:, :n), branch%load_share_maximum(:, :n), at, &
+                                                            counts, train, told, sheet)
          if (allocated(branch%shaft_torque_mean)) then
             call say_reversals(train, branch%shaft_torque_minimum(:, :n), branch%shaft_torque_maximum(:, :n), at, counts, &
                                connected, told, sheet)

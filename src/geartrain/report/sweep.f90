@@ -12,6 +12,7 @@ module geartrain_report_sweep
    use geartrain_report_load, only: load_sides
    use geartrain_report_loads, only: say_meshes
    use geartrain_report_names, only: mesh_names, name_length, torque_names
+   use geartrain_report_planet_loads, only: say_sharing
    use geartrain_report_ranges, only: range_words, ranges_of_points
    use geartrain_report_sheet, only: in_head, in_quality, in_result, sheet_type
    use geartrain_report_torques, only: say_reversals, torque_table_type
@@ -78,6 +79,7 @@ contains
       character(name_length) :: names(size(train%meshes))
       real(dp), dimension(size(torque_names(train)), size(motions)) :: mean, low, high
       real(dp) :: smallest(size(motions)), largest(size(motions))
+      real(dp), allocatable :: share(:, :), share_maximum(:, :)
       logical, dimension(size(motions)) :: counts, has_torque, connected, hits
       integer :: sides(size(train%meshes)), strongest(size(train%meshes)), i, mesh
 
@@ -119,6 +121,17 @@ contains
          strongest = [(maxloc(load(mesh, :)%force_maximum, 1, counts), mesh=1, size(strongest))]
          nothing = text_type('')
          call say_meshes(load, strongest, at, [(.false., i=1, size(at))], nothing, nothing, contact, names, told, sheet)
+         i = findloc([(allocated(motions(i)%load_share), i=1, size(counts))], .true., 1)
+         if (i > 0) then
+            allocate (share(size(motions(i)%load_share), size(motions)), source=0.0_dp)
+            share_maximum = share
+            do i = 1, size(motions)
+               if (.not. (counts(i) .and. allocated(motions(i)%load_share))) cycle
+               share(:, i) = motions(i)%load_share
+               share_maximum(:, i) = motions(i)%load_share_maximum
+            end do
+            call say_sharing(share, share_maximum, at, counts, train, told, sheet)
+         end if
          if (.not. any(has_torque)) return
          call say_reversals(train, low, high, at, has_torque, connected, told, sheet)
          call torques%take(mean, low, high, at, has_torque, told)
