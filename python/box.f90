@@ -8,6 +8,7 @@ module geartrain_python_box
    use geartrain_analyses_audit_fields, only: visit_audit
    use geartrain_analyses_dependencies, only: locate_edges
    use geartrain_analyses_list, only: find_analysis, number_of
+   use geartrain_balance_planet_orbits, only: number_orbits
    use geartrain_base_error, only: fatal, status_memory
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: field_type, text_type, values_type
@@ -195,6 +196,7 @@ contains
       type(fields_type) :: none
       type(special_point_type), allocatable :: onsets(:)
       logical, allocatable :: assessed(:)
+      integer, allocatable :: orbit(:)
       integer :: n
 
       box%fields = none
@@ -224,6 +226,14 @@ contains
             call carry(fields, field_type('assessed_stable', 'motion'), assessed)
             assessed = box%motions%assessed .and. box%motions%undecided
             call carry(fields, field_type('assessed_undecided', 'motion'), assessed)
+         case ('orbits')
+            if (.not. allocated(box%motions)) return
+            if (.not. fields%enter('/orbits', '', .true.)) return
+            n = size(box%motions)
+            allocate (orbit(n))
+            call number_orbits(box%case%train, box%motions, orbit)
+            call fields%index_axis('motion', n, '')
+            call carry(fields, field_type('orbit', 'motion'), orbit)
          case ('audit')
             call visit_audit(box%audit, fields)
          case ('gradient')

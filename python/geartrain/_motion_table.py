@@ -18,7 +18,7 @@ from .errors import InputError
 if TYPE_CHECKING:
     from xarray import Dataset
 
-__all__ = ["ATTRACTORS", "INTEGRATION", "motions_dataset", "motions_of", "put_motions", "put_table"]
+__all__ = ["ATTRACTORS", "INTEGRATION", "motions_dataset", "motions_of", "orbits_of", "put_motions", "put_table"]
 
 Array = NDArray[Any]
 
@@ -65,6 +65,16 @@ _FIELDS = {
     *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
     *("assessed", "assessed_stable", "assessed_undecided"),
 }
+
+
+def orbits_of(motions: Sequence[Any]) -> list[int]:
+    """Number of the orbit of each motion of one train, from 1: a turn of the planets of a symmetric set makes no other."""
+    train = motions[0].train if motions else None
+    if train is None or len(motions) < 2 or not any(mesh.carrier for mesh in train.meshes):
+        return list(range(1, len(motions) + 1))
+    with train._ask() as box:
+        put_motions(box, *motions)
+        return [int(number) for number in box.show("orbits")["/orbits"].column("orbit")]
 
 
 def put_motions(box: Box, *motions: Any, what: str = "motion", only_state: bool = False) -> None:

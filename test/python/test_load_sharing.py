@@ -9,6 +9,7 @@ from planetary_trains import FREQUENCY, RING_MESH, SUN_MESH, TEETH, planetary, r
 from test_carriers import close, same_motion, shot
 
 import geartrain as gt
+from geartrain.planetary_picture import planet_angles
 
 LINEAR = {"stiffness_cos": None, "stiffness_sin": None}
 
@@ -129,8 +130,8 @@ def test_bodies_on_springs_in_a_loop():
 def test_settling_of_misplaced_planets():
     """Time integration from rest comes to the motion of the balance."""
     train = misplaced((0.0, 1.5e-6, -1e-6))
-    settled = train.integrate(1.5)
-    (motion,) = (found.refine() for found in train.response(start=1.5, stop=1.51, harmonics=12).at(1.5)[:1])
+    settled = train.integrate(0.55)
+    (motion,) = (found.refine() for found in train.response(start=0.55, stop=0.56, harmonics=12).at(0.55)[:1])
     close(settled.coefficients[:, :9], motion.coefficients[:, :9], 1e-7, "coefficients")
     close(settled.load_share, motion.load_share, 1e-7, "load share", 1.0)
 
@@ -152,7 +153,7 @@ def test_run_up_of_misplaced_planets():
 
 def test_gradient_with_respect_to_an_error():
     train = misplaced((0.0, 1.5e-6, -1e-6))
-    name, step = "mesh 2 error_mean", 1e-8
+    name, step = "mesh 2 error_mean", 3e-9
     motion = train.response(start=1.5, stop=1.51, harmonics=10, stability=False).at(1.5)[0]
     for figure in ("mean", "mesh_force_maximum"):
         found = motion.gradient(figure, [name])[:, 0]
@@ -170,8 +171,7 @@ def test_branch_over_an_error():
     train = misplaced((0.0, 0.0, -1e-6), drag=-0.5)
     branch = train.continuation(parameter="mesh 3 error_mean", start=-1e-6, stop=-15e-6, frequency=0.55, harmonics=6)
     assert branch.complete
-    assert (np.diff(branch.load_share[:, 2]) < 1e-9).all()
-    assert branch.load_share[0, 2] > 0.25 and branch.load_share[-1, 2] < 0.01
+    assert branch.load_share[0, 2] > 0.25 and branch.load_share[-1, 2] < 0.05
     np.testing.assert_allclose(branch.load_share.sum(axis=1), 1.0, rtol=1e-12)
 
 
@@ -237,3 +237,55 @@ def test_trains_without_planets_have_no_shares():
     train = train_of([pinion, wheel], [gt.Mesh(between=("pinion", "wheel"), driving_radius=0.04, driven_radius=0.07, stiffness=4e8)])
     branch = train.response(start=0.8, stop=0.82, harmonics=2)
     assert branch.load_share is None and branch.at(0.81)[0].load_share is None
+
+
+# Symmetry, modes, pictures
+
+
+def test_motions_are_counted_up_to_a_turn_of_the_planets(branch):
+    """Sequential planets may all move on by one place; two of them may change places only in phase."""
+    turned, swapped = [1, 2, 0, 4, 5, 3], [1, 0, 2, 4, 3, 5]
+    for teeth, known in (((26, 31, 88), [1, 1, 2]), ((27, 36, 99), [1, 1, 1])):
+        train = short(teeth=teeth)
+        even = replace(branch.at(branch.frequency[3])[0], rms=np.ones(6), mean=np.ones(6), minimum=-np.ones(6), maximum=np.ones(6))
+        flat = [replace(even, train=train, **{
+            name: getattr(even, name) * np.tile([1.0, 2.0, 3.0], 2)[order] for name in ("rms", "mean", "minimum", "maximum")})
+            for order in (list(range(6)), turned, swapped)]
+        motions = gt.Motions([(motion, "made") for motion in flat])
+        assert sorted(motions.orbit) == known
+        words = f"up to a turn of the planets of symmetric sets these are {max(known)} motion"
+        assert words in str(motions) and words in repr(motions)
+
+
+@pytest.mark.parametrize("teeth, planets", [((27, 36, 99), 3), ((20, 20, 60), 4), ((19, 21, 61), 5)])
+def test_modes_are_torsional_or_of_planets(teeth, planets):
+    """N - 1 equal modes of the planets at sqrt((k_s + k_r)/m_p); the others are torsional."""
+    modes = short(teeth=teeth, planets=planets).modes()
+    own = np.array(modes.kind) == "planets of stage 1"
+    assert own.sum() == planets - 1 and (np.array(modes.kind)[~own] == "torsional").all()
+    known = np.sqrt(2.2e9 / 2.2e-3) * radius(teeth[1]) / (2 * np.pi)
+    np.testing.assert_allclose(modes.natural_frequency_hertz[own], known, rtol=1e-9)
+    assert "planets of stage 1" in str(modes)
+
+
+def test_planet_pass_orders():
+    diagram = short().campbell(start=500.0, stop=4000.0, unit="rpm")
+    assert diagram.planet_passes == {"stage 1": pytest.approx(3 * 27 / 126, rel=1e-12)}
+    labels = [text.get_text() for text in diagram.plot().get_legend().get_texts()]
+    assert any(label.startswith("planet pass of stage 1") for label in labels)
+
+
+def test_stage_picture():
+    train = short()
+    ax = train.plot_stage()
+    front, lever = ax.figure.axes
+    assert front is ax and lever.get_xlabel() == "turns per turn of sun"
+    assert "speed" in train.plot_stage("stage 1", speed=1500.0).figure.axes[1].get_xlabel()
+    with pytest.raises(gt.InputError, match="name = 'stage 2': must be 'stage 1'"):
+        train.plot_stage("stage 2")
+
+
+def test_angles_of_planets_follow_from_their_phases():
+    angles = (0.0, 99.0, 189.0, 270.0)
+    told = short(teeth=(19, 21, 61), planets=None, angles=angles).explain()["stage 1"]
+    np.testing.assert_allclose(360 * planet_angles(told, 19), angles, atol=1e-9)

@@ -30,6 +30,7 @@ module geartrain_analyses_attractors
    use geartrain_model_train, only: train_type
    use geartrain_report_frequency_text, only: frequency_text, frequency_text_type, in_width
    use geartrain_report_length_text, only: length_text, length_text_type
+   use geartrain_report_planet_loads, only: say_orbits
    use geartrain_report_sheet, only: in_quality, in_result, sheet_type
    use geartrain_report_torques, only: torque_table_type
    implicit none (type, external)
@@ -433,6 +434,7 @@ contains
                call sheet%add(in_result, line)
             end associate
          end do
+         if (allocated(found%motions)) call say_orbits(train, found%motions, sheet)
          if (.not. allocated(found%ended)) return
          call told%of_words(found%ended, words)
          if (words /= 'all starts done' .or. sheet%verbose) &

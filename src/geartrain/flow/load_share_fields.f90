@@ -9,11 +9,10 @@ module geartrain_flow_load_share_fields
    public :: about_planet, carry_shares
 
    character(*), parameter :: about_planet = 'planet, set by set', with_sets = 'with planetary sets'
-   character(*), parameter :: of_set = ' force of the planet with the sun (ring, without a sun) over the sum of the mean forces &
-      &of its set; NaN: no load'
    type(row), parameter :: shares(2) = [ &
-      row('load_share', 'planet', '1', 'mean'//of_set, with_sets, optional=.true.), &
-      row('load_share_maximum', 'planet', '1', 'largest'//of_set, with_sets, optional=.true.)]
+      row('load_share', 'planet', '1', 'mean force of the planet with the sun (ring, without a sun) over their sum in its set; &
+          &NaN: no load', with_sets, optional=.true.), &
+      row('load_share_maximum', 'planet', '1', 'as load_share, of the largest force', with_sets, optional=.true.)]
 
    !> Carries the fields of the load shares of the planets.
    interface carry_shares

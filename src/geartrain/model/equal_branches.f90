@@ -12,7 +12,7 @@ module geartrain_model_equal_branches
    use geartrain_model_system, only: system_type
    implicit none (type, external)
    private
-   public :: equal_branches_type, find_equal_branches, same_branches
+   public :: equal_branches_type, find_equal_branches, same_branches, same_nodes
 
    !> Relative difference of two numbers that are equal but for rounding; of two static forces, which an iteration finds.
    real(dp), parameter :: rounding = 1e-12_dp, rest_error = 1e-8_dp
@@ -273,7 +273,9 @@ contains
 
    !> Whether two nodes have the same reduced mass, torques and damping, and neither balances the torques.
    pure logical function same_nodes(system, a, b)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Numbers of the nodes.
       integer, intent(in) :: a, b
       integer :: i
 

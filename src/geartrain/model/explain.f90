@@ -196,7 +196,8 @@ contains
          turns = abs(k%turning%speed(i))
          call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth'), turns)
          if (k%revolution_order(i) > 0) &
-            call carry(fields, field_type('revolution_order', '', '1', 'its revolution as a multiple of the fundamental'), &
+            call carry(fields, field_type('revolution_order', '', '1', 'its revolution (planet: against its carrier) over the &
+                                          &fundamental'), &
                        k%revolution_order(i))
       end associate
    end subroutine explain_body

@@ -53,6 +53,10 @@ contains
          call tell_turns('ring_turns', set%ring)
          call tell_turns('carrier_turns', set%carrier)
       end if
+      if (turning%determined) then
+         call tell_pass('sun', set%sun)
+         call tell_pass('ring', set%ring)
+      end if
       call tell_teeth(train, set, turning, speed_name, fields)
       call tell_sharing(system, number, fields)
       if (allocated(set%sun_meshes)) call tell_phases('sun', set%sun_meshes)
@@ -81,13 +85,29 @@ contains
             &z_s (n_s - n_c) + z_p (n_p - n_c) = 0, z_p (n_p - n_c) = z_r (n_r - n_c)'), turns)
       end subroutine tell_turns
 
+      !> Frequency at which planets pass a tooth of a member.
+      subroutine tell_pass(member, body)
+         character(*), intent(in) :: member
+         integer, intent(in) :: body
+         real(dp) :: passes
+
+         if (body == 0) return
+         passes = planets*abs(turning%speed(body) - turning%speed(set%carrier))
+         call carry(fields, field_type(member//'_planet_pass', '', '1', 'planets that pass a tooth of the '//member// &
+                                       ' per turn of '//speed_name//': N |n - n_c|'), passes)
+      end subroutine tell_pass
+
       !> Lags of the meshes of a kind, the class of the set by them, and what becomes of each harmonic.
       subroutine tell_phases(kind, meshes)
          character(*), intent(in) :: kind
          integer, intent(in) :: meshes(:)
          real(dp), allocatable :: lag(:), share(:)
+         integer, allocatable :: numbers(:)
          integer :: h
 
+         numbers = meshes
+         call carry(fields, field_type(kind//'_meshes', 'planet', '1', 'numbers of the meshes of the planets with the '//kind), &
+                    numbers)
          lag = train%meshes(meshes)%phase/(2*pi)
          call carry(fields, field_type(kind//'_phase', 'planet', '1', 'lag of each mesh of the '//kind//', as a share of the mesh &
             &cycle: '//trim(merge('z_s psi of a planet at psi turns from the first            ', &

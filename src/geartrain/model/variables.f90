@@ -112,7 +112,7 @@ contains
                          body%torque_cos)
       call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%torque_sin)
       call v%on_list(row('revolution_torque_cos', 'N m', 'cosine amplitudes of the torque on the body, orders 1, 2, ... of its &
-                         &revolution; every mesh must have teeth'), body%revolution_torque_cos)
+                         &revolution, of a planet against its carrier; every mesh must have teeth'), body%revolution_torque_cos)
       call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%revolution_torque_sin)
       call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of the vibration of the body against the ground; give a mean &
                          &drag as torque', least=zero), body%damping_to_ground)

@@ -1,7 +1,10 @@
-!> What a report says of the planets of planetary sets: how unevenly they share the load.
+!> What a report says of the planets of planetary sets: how unevenly they share the load, and which motions
+!> differ by a turn of the planets alone.
 module geartrain_report_planet_loads
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_planet_orbits, only: number_orbits
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: significant, text
+   use geartrain_base_numbers, only: counted, significant, text
    use geartrain_model_drawing, only: plain_train
    use geartrain_model_load_sharing, only: find_sharing, mesh_load_factor, sharing_type
    use geartrain_model_planetary_sets, only: find_sets, planetary_set_type
@@ -10,9 +13,25 @@ module geartrain_report_planet_loads
    use geartrain_report_sheet, only: in_result, sheet_type
    implicit none (type, external)
    private
-   public :: say_sharing
+   public :: say_orbits, say_sharing
 
 contains
+
+   !> Adds a sentence where some of the motions are one but for a turn of the planets of a symmetric set.
+   subroutine say_orbits(train, motions, sheet)
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      !> Motions at one Lambda.
+      type(motion_type), intent(in) :: motions(:)
+      !> The report.
+      type(sheet_type), intent(inout) :: sheet
+      integer :: orbit(size(motions))
+
+      call number_orbits(train, motions, orbit)
+      if (size(motions) == 0 .or. maxval([0, orbit]) == size(motions)) return
+      call sheet%say(in_result, 'Up to a turn of the planets of symmetric sets these are '// &
+                     counted(maxval(orbit), 'motion', 'motions')//'.')
+   end subroutine say_orbits
 
    !> Adds a sentence on each planetary set: largest mesh load factor, and largest force of a planet over an even share.
    subroutine say_sharing(share, share_maximum, at, counts, train, told, sheet)
