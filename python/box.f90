@@ -8,6 +8,7 @@ module geartrain_python_box
    use geartrain_exact_audit_fields, only: visit_audit
    use geartrain_analyses_dependencies, only: locate_edges
    use geartrain_analyses_list, only: find_analysis, number_of
+   use geartrain_balance_planet_orbits, only: number_orbits
    use geartrain_base_error, only: fatal, status_memory
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: field_type, text_type, values_type
@@ -22,7 +23,7 @@ module geartrain_python_box
    use geartrain_report_drawing_warnings, only: warnings_text
    use geartrain_report_explain, only: explain_train, explanation_text
    use geartrain_network_frequency_unit, only: hertz_per_lambda, speed_per_lambda
-   use geartrain_train_labels, only: body_labels, mesh_labels, shaft_labels
+   use geartrain_train_labels, only: body_labels, mesh_labels, planet_labels, shaft_labels
    use geartrain_network_parameter_path, only: give_variation
    use geartrain_train_train, only: train_type
    use geartrain_python_taker, only: taker_type
@@ -195,6 +196,7 @@ contains
       type(fields_type) :: none
       type(special_point_type), allocatable :: onsets(:)
       logical, allocatable :: assessed(:)
+      integer, allocatable :: orbit(:)
       integer :: n
 
       box%fields = none
@@ -224,6 +226,14 @@ contains
             call carry(fields, field_type('assessed_stable', 'motion'), assessed)
             assessed = box%motions%assessed .and. box%motions%undecided
             call carry(fields, field_type('assessed_undecided', 'motion'), assessed)
+         case ('orbits')
+            if (.not. allocated(box%motions)) return
+            if (.not. fields%enter('/orbits', '', .true.)) return
+            n = size(box%motions)
+            allocate (orbit(n))
+            call number_orbits(box%case%train, box%motions, orbit)
+            call fields%index_axis('motion', n, '')
+            call carry(fields, field_type('orbit', 'motion'), orbit)
          case ('audit')
             call visit_audit(box%audit, fields)
          case ('gradient')
@@ -267,6 +277,7 @@ contains
       call fields%text_axis('body', body_labels(train), '')
       call fields%text_axis('mesh', mesh_labels(train), '')
       call fields%text_axis('shaft', shaft_labels(train), '')
+      call fields%text_axis('planet', planet_labels(train), '')
       order = plain%meshes%order
       call carry(fields, field_type('order', 'mesh'), order)
       call carry(fields, field_type('characteristic_length'), plain%characteristic_length)

@@ -27,6 +27,7 @@ program main
    use unit_section_map, only: section_map_tests
    use unit_drawing, only: drawing_tests
    use unit_mesh, only: mesh_tests
+   use unit_planetary, only: planetary_tests
    use unit_rows, only: rows_tests
    use unit_network, only: network_checks
    use unit_results, only: results_tests
@@ -83,6 +84,7 @@ program main
                    suite_type('unit_basins', basins_tests), &
                    suite_type('unit_drawing', drawing_tests), &
                    suite_type('unit_mesh', mesh_tests), &
+                   suite_type('unit_planetary', planetary_tests), &
                    suite_type('unit_rows', rows_tests), &
                    suite_type('unit_network', network_checks), &
                    suite_type('unit_results', results_tests), &

@@ -18,6 +18,7 @@ from ._core.units import Unit, lambda_of, units_of
 from ._core.variable import takes
 from ._core.watch import quiet, watched
 from .errors import InputError, SolverError, shown
+from .planetary_picture import draw_stage
 from .plots.draw import new_axes
 from .plots.schematic import draw_schematic, figure_size
 from .results.attractors import Attractors
@@ -695,6 +696,31 @@ class Train(Description):
         >>> train.plot().figure.savefig("train.png")  # doctest: +SKIP
         """
         return draw_schematic(self, new_axes(ax, figsize=figure_size(self)), speed=speed)
+
+    def plot_stage(self, name: str | None = None, *, speed: float | None = None) -> Axes:
+        """Draw a planetary set: front view with the planets at their angles, and beside it the lever diagram of the speeds.
+
+        Each planet has its share of the static load. The lever has sun, carrier and ring at distances by their teeth; the speeds
+        across it lie on a line.
+
+        Parameters
+        ----------
+        name : str, optional
+            Of the set, as `explain` has it; the first unless told.
+        speed : float, optional
+            In rpm, of the body that tells the speed; unless told speeds are turns per turn of that body.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Of the front view; the lever diagram is the other one of its figure.
+
+        Examples
+        --------
+        >>> train.plot_stage("stage 1").figure.savefig("stage.png")  # doctest: +SKIP
+        """
+        front, lever = new_axes(None, ncols=2, figsize=(8.5, 4.6), width_ratios=(1.2, 1.0))
+        return draw_stage(self, name, (front, lever), speed)
 
     @takes(VARIABLES["run_up"], RunUpKeywords)
     def run_up(self, *, seed: Motion | ArrayLike | None = None, **settings: Unpack[RunUpKeywords]) -> RunUp:

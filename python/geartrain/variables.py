@@ -66,6 +66,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "planet_inertia": Variable("planet_inertia", "real", "float", None, False, "Polar moment of inertia of a planet; default: of a disc of its pitch diameter, with face_width, planet_bore and density; [kg m^2]; > 0"),
         "planet_mass": Variable("planet_mass", "real", "float", None, False, "Mass of a planet; at the centre distance the masses of all planets add to the inertia of the carrier. Default: of the disc; 0 without face_width; [kg]; >= 0"),
         "planet_bore": Variable("planet_bore", "real", "float", 0.0, False, "Bore of the planets; [m]; >= 0"),
+        "planet_errors": Variable("planet_errors", "reals", "Series", None, False, "Errors of the places of the planets along the line of action, a value a planet: the error_mean of both its meshes. Positive: against the push of the driving member; the planet bears more; [m]"),
         "density": Variable("density", "real", "float", 7850.0, False, "Density of the planets; [kg/m^3]; > 0"),
         "backlash": Variable("backlash", "reals", "Series", None, False, "Circumferential backlash at the working pitch circles of sun meshes and ring meshes; one value: of both; [m]; >= 0"),
         "half_backlash": Variable("half_backlash", "reals", "Series", None, False, "Half of the backlash along the line of action of sun meshes and ring meshes; one value: of both, in place of backlash; [m]; >= 0"),
@@ -137,6 +138,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "phase": Variable("phase", "real", "float", 0.0, False, "Lag of kappa and of the transmission error, in the mesh cycle; [rad]"),
         "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; its sign and phase against the stiffness matter; [m]"),
         "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
+        "error_mean": Variable("error_mean", "real", "float", 0.0, False, "Constant part of the transmission error, of placement and tooth thickness; positive: towards contact of the drive flanks. It matters in loops of gears alone, as between planets; [m]"),
         "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh has them, else 1; >= 1 and <= 1.0e6, or 0"),
     },
     "modes": {},
@@ -294,6 +296,7 @@ class Planetary(Part, variables=VARIABLES["planetary"]):
     planet_inertia: float | None = None
     planet_mass: float | None = None
     planet_bore: float | None = None
+    planet_errors: Series | None = None
     density: float | None = None
     backlash: Series | None = None
     half_backlash: Series | None = None
@@ -373,6 +376,7 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     phase: float | None = None
     error_cos: Series | None = None
     error_sin: Series | None = None
+    error_mean: float | None = None
     order: int | None = None
 
 

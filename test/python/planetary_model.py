@@ -196,6 +196,7 @@ class Model:
             mesh.stiffness_cos, mesh.stiffness_sin, mesh.error_cos, mesh.error_sin)) for mesh in meshes if mesh is not None]
         self.orders = np.arange(1, max(orders) + 1)
         self.drive, self.back, self.error = np.zeros((3, len(meshes), len(self.orders)), complex)
+        self.placed = np.array([0.0 if mesh is None else mesh.error_mean or 0.0 for mesh in meshes]) / self.length
         self.back_share = np.ones(len(meshes))
         for number, mesh in enumerate(meshes):
             if mesh is None:
@@ -269,7 +270,7 @@ class Flow:
         return rate + self.error_rate(time)
 
     def error(self, time):
-        return (self.model.error @ self.model.wave(self.phase(time))).real
+        return self.model.placed + (self.model.error @ self.model.wave(self.phase(time))).real
 
     def error_rate(self, time):
         return (self.model.error @ (1j * self.speed(time) * self.model.orders * self.model.wave(self.phase(time)))).real
@@ -294,7 +295,7 @@ class Flow:
         slope, offset, damping = self.law(wave, region)
         displacement = model.shapes @ columns[:n] * self.scale
         rate = self.rate_shapes @ columns[n:] * self.scale
-        displacement[:, 0] += (model.error @ wave).real - offset
+        displacement[:, 0] += model.placed + (model.error @ wave).real - offset
         rate[:, 0] += (model.error @ (1j * self.speed(time) * model.orders * wave)).real
         accelerations = self.by_force @ (slope[:, None] * displacement + damping[:, None] * rate) / self.scale
         accelerations += self.to_ground @ columns[n:] + self.spring @ columns[:n]
@@ -384,7 +385,8 @@ class Flow:
         """State at rest under the mean torques, with the drive flanks in contact."""
         n = self.model.count
         matrix = self.by_force[:n] @ (self.stiffness[:, None] * self.model.shapes) + self.spring[:n]
-        load = self.by_torque[:n] @ self.model.mean_torque - self.by_force[:n] @ (self.stiffness * self.wall)
+        load = self.by_torque[:n] @ self.model.mean_torque
+        load -= self.by_force[:n] @ (self.stiffness * (self.wall - self.model.placed))
         return np.concatenate([np.linalg.solve(matrix, -load) / self.scale, np.zeros(self.size - n)])
 
     def state_of(self, force, displacement, cycles=1):
@@ -402,7 +404,7 @@ class Flow:
             amplitude = model.solve(torque, omega)
             rotation += amplitude.real
             rate += (1j * omega / model.omega * amplitude).real
-        rows, right = model.rows / model.length, displacement
+        rows, right = model.rows / model.length, displacement - model.placed
         if model.support.any():
             rows = np.vstack([rows, np.diag(model.support) / model.support.max()])
             right = np.concatenate([right, (model.mean_torque - model.rows.T @ waves[0].real) / model.support.max()])
@@ -499,7 +501,8 @@ def linear_response(model, frequency, orders):
     stiffness, damping = (np.array([getattr(element, name) for element in model.elements]) for name in ("stiffness", "damping"))
     amplitudes = np.zeros((len(model.elements), orders), complex)
     matrix = rows.T @ (stiffness[:, None] * rows) + np.diag(model.support[free])
-    mean = np.linalg.lstsq(matrix, model.mean_torque[free], rcond=1e-12)[0]
+    placed = model.placed * model.length
+    mean = np.linalg.lstsq(matrix, model.mean_torque[free] - rows.T @ (stiffness * placed), rcond=1e-12)[0]
     for order in range(1, min(orders, len(model.orders)) + 1):
         omega = order * frequency * model.omega
         errors, torque = model.error[:, order - 1] * model.length, model.torques[:, order - 1]
@@ -508,7 +511,7 @@ def linear_response(model, frequency, orders):
         matrix = matrix + np.diag(model.support[free] + 1j * omega * model.drag[free])
         rotation = np.linalg.solve(matrix, torque[free] - rows.T @ (dynamic * errors))
         amplitudes[:, order - 1] = (rows @ rotation + errors) / model.length
-    return rows @ mean / model.length, amplitudes
+    return (rows @ mean + placed) / model.length, amplitudes
 
 
 def farthest(found, known):

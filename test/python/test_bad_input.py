@@ -48,7 +48,7 @@ class Variable(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def table(executable):
+def whole_table(executable):
     text = subprocess.run([executable, "--reference"], check=True, capture_output=True, text=True).stdout
     variables = []
     for line in text.splitlines():
@@ -59,8 +59,13 @@ def table(executable):
             variables.append(Variable(group, row[1], cells[1], cells[3] == "required", cells[4]))
     kinds = {variable.kind for variable in variables}
     assert len(variables) > 50 and kinds == {"real", "integer", "logical", "text", "reals", "names"}
-    # A planetary set is a short form of bodies and meshes, which the trains here do not have: test_planetary.py.
-    return [variable for variable in variables if variable.group != "planetary"]
+    return variables
+
+
+@pytest.fixture(scope="module")
+def table(whole_table):
+    # The trains here have no planetary sets: these have a test of their own.
+    return [variable for variable in whole_table if variable.group != "planetary"]
 
 
 def case_text(table, fault=None, assignment="", without=""):
@@ -134,6 +139,44 @@ def test_every_variable_given_wrongly(table, tmp_path):
             assert all(re.search(CURE, message) for message in told), (assignment, told)
             assert any(variable.name in message or variable.name[:-1] + "q" in message for message in told), (assignment, told)
     assert count > 10 * len(table)
+
+
+PLANETARY = {"name": "'s'", "sun": "'sun'", "ring": "'ring'", "carrier": "'arm'", "teeth": "27, 36, 99", "planets": "3",
+             "normal_module": "2.5e-3", "face_width": "0.03"}
+
+
+def planetary_text(fault, assignment):
+    """A case with a planetary set, in which `assignment` takes the place of the faulty variable's own."""
+    given = [f"   {name} = {value}" for name, value in PLANETARY.items() if fault is None or name != fault.name]
+    return "\n".join([
+        "&train", "/", "&body name = 'sun', inertia = 1e-3, torque = 100.0 /", "&body name = 'ring', held = .true. /",
+        "&body name = 'arm', inertia = 0.1, balances = .true. /", "&planetary", *given,
+        *(f"   {line}" for line in assignment.splitlines()), "/", "&modes /", ""])
+
+
+def test_every_variable_of_a_planetary_set_given_wrongly(whole_table, tmp_path):
+    path = tmp_path / "case.nml"
+    path.write_text(planetary_text(None, ""))
+    gt.read_case(path)
+    variables = [variable for variable in whole_table if variable.group == "planetary"]
+    count = 0
+    for variable in variables:
+        wrong = faults(variable)
+        if variable.kind == "reals":  # of three gears, of two kinds of meshes, of the planets: none has 40 values
+            wrong.append(f"{variable.name} = 40*-1e30")
+        for assignment in wrong:
+            text = planetary_text(variable, assignment)
+            path.write_text(text)
+            with pytest.raises(gt.InputError) as caught:
+                gt.read_case(path)
+            count += 1
+            faulty = [n for n, line in enumerate(text.splitlines(), 1) if line.strip() in assignment.splitlines()]
+            told = [message for message in str(caught.value).splitlines()
+                    if message.startswith(tuple(f"{path}:{line}:" for line in faulty))]
+            assert told, (assignment, str(caught.value))
+            assert all(re.search(CURE, message) for message in told), (assignment, told)
+            assert any(variable.name in message or variable.name[:-1] + "q" in message for message in told), (assignment, told)
+    assert count > 12 * len(variables)
 
 
 @pytest.mark.parametrize("extreme", [1e300, 1e-300, 1e200, 1e-200, -1e300])

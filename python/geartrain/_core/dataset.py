@@ -53,14 +53,14 @@ def dataset(path: str, values: dict[str, Any], attributes: dict[str, Any], coord
 
 
 def dataframe(points: Dataset) -> DataFrame:
-    """A row for each point, with a column for each field of it, and of each mesh or shaft."""
+    """A row for each point, with a column for each field of it, and of each mesh, shaft or planet."""
     columns: dict[str, Any] = {}
     for name, array in [*points.coords.items(), *points.data_vars.items()]:
         if array.dims == ("point",) and name != "point":
             columns[str(name)] = array.values
         elif array.ndim == 2 and "point" in array.dims:
             other = next(str(axis) for axis in array.dims if axis != "point")
-            if other in {"mesh", "shaft"}:
+            if other in {"mesh", "shaft", "planet"}:
                 for place in range(array.sizes[other]):
                     columns[f"{name}, {other} {place + 1}"] = array.isel({other: place}).values
     frame: DataFrame = extra("pandas").DataFrame(columns)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from ..variables import Analyses
 
-__all__ = ["Description", "mesh_names", "shaft_names"]
+__all__ = ["Description", "mesh_names", "planet_names", "shaft_names"]
 
 
 class Description(TrainVariables):
@@ -110,6 +110,11 @@ class Description(TrainVariables):
         return tuple(self._outline["shaft"])
 
     @property
+    def planet_labels(self) -> tuple[str, ...]:
+        """Names of the planets of all planetary sets, set by set, in the order of ``load_share``."""
+        return tuple(self._outline["planet"])
+
+    @property
     def body_labels(self) -> tuple[str, ...]:
         """Names of the bodies; ``'driving end'``, ``'driving gear 1'``, ``'driven gear 1'``, ..., ``'driven end'`` in a chain."""
         return tuple(self._outline["body"])
@@ -194,6 +199,12 @@ def shaft_names(train: Description | None, shafts: int) -> tuple[str, ...]:
     """What the shafts of a result are called, likewise."""
     labels = train.shaft_labels if isinstance(train, Description) else ()
     return labels if len(labels) == shafts else tuple(f"shaft {number}" for number in range(1, shafts + 1))
+
+
+def planet_names(train: Description | None, planets: int) -> tuple[str, ...]:
+    """What the planets of a result are called, likewise."""
+    labels = train.planet_labels if isinstance(train, Description) else ()
+    return labels if len(labels) == planets else tuple(f"planet {number}" for number in range(1, planets + 1))
 
 
 def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:

@@ -20,6 +20,8 @@ CAPTIONS = {
     "dynamic_factor": "dynamic factor, largest over mean mesh force",
     "separation_fraction": "share of time with teeth apart",
     "back_contact_fraction": "share of time on the back flanks",
+    "load_share": "share of the mean load of the planets",
+    "load_share_maximum": "largest force over the mean load of all planets",
     "shaft_torque": "shaft torque, smallest to largest",
     "shaft_torque_minimum": "smallest shaft torque",
     "shaft_torque_maximum": "largest shaft torque",

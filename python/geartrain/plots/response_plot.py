@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.box import described
-from .._core.description import Description, mesh_names
+from .._core.description import Description, mesh_names, planet_names, shaft_names
 from .._core.units import Unit, Units, units_of
 from ..errors import InputError, shown
 from ..results.curve import Between, is_slope, position, value_at
@@ -59,7 +59,7 @@ class Quantity:
             name = first_quantity(train)
         about = described()[path].about
         columns = {field: row[0][1] for field, row in about.items()
-                   if len(row[0]) == 2 and row[0][1] in {"mesh", "shaft"} and not is_slope(field)}
+                   if len(row[0]) == 2 and row[0][1] in {"mesh", "shaft", "planet"} and not is_slope(field)}
         there = {field: values for field in columns if (values := get(field)) is not None}
         if {"minimum", "maximum"} <= {*there}:
             there["peak_to_peak"] = there["maximum"] - there["minimum"]
@@ -69,7 +69,8 @@ class Quantity:
             raise InputError(f"quantity = {shown(name)}: must be {', '.join(map(repr, known))}")
         first = known[name][0]
         number = there[first].shape[1]
-        names = mesh_names(train, number) if columns[first] == "mesh" or train is None else train.shaft_labels
+        named = {"mesh": mesh_names, "shaft": shaft_names, "planet": planet_names}[columns[first]]
+        names = named(train, number)
         return cls(name, columns[first], about[first][1], names, known[name], [there[field] for field in known[name]])
 
     def label(self, units: Units) -> str:
@@ -91,14 +92,15 @@ class Quantity:
 
     def chosen(self, mesh: int | None, shaft: int | None) -> Sequence[int]:
         """Columns to draw: the mesh or the shaft asked for, or all that have values."""
-        number, other = (mesh, shaft) if self.along == "mesh" else (shaft, mesh)
-        if other is not None:
+        asked = {"mesh": mesh, "shaft": shaft}
+        number = asked.pop(self.along, None)
+        if any(other is not None for other in asked.values()):
             raise InputError(f"quantity = {shown(self.name)}: is of each {self.along}, and of no other part")
         if number is not None:
             check_number(self.along, number, len(self.names))
             return [number - 1]
         # The torque of a rigid shaft is not known: NaN throughout.
-        known = [self.along == "mesh" or not np.isnan(self.values[0][:, column]).all() for column in range(len(self.names))]
+        known = [self.along != "shaft" or not np.isnan(self.values[0][:, column]).all() for column in range(len(self.names))]
         return [column for column, there in enumerate(known) if there]
 
 
@@ -136,7 +138,7 @@ class Curves(Readings):
             Where to draw; a new figure unless told.
         quantity : str, optional
             A field with a column for each mesh or for each shaft, such as ``'rms'`` (of the paper), ``'true_ac_rms'``,
-            ``'dynamic_factor'``, ``'mesh_force_maximum'``; ``'mesh_force'`` in short, ``'shaft_torque'`` for smallest and largest
+            ``'dynamic_factor'``, ``'mesh_force_maximum'``; ``'load_share'`` of each planet; ``'mesh_force'`` in short, ``'shaft_torque'`` for smallest and largest
             torque, ``'peak_to_peak'`` of the displacement. Default: ``'shaft_torque'`` with ``shaft``, ``'mesh_force'`` where
             Lambda is the speed in rpm, else ``'rms'``.
         unit : {'Lambda', 'rpm', 'Hz'}, optional

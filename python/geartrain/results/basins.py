@@ -16,7 +16,7 @@ from .._core.units import in_own_unit, units_of
 from ..errors import InputError, shown
 from ..plots.draw import COLORS, draws, new_axes
 from .motion import Motion
-from .motion_table import motions_dataset, motions_of, put_table
+from .motion_table import motions_dataset, motions_of, orbits_of, put_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -95,6 +95,12 @@ class Basins(Table):
         rows, columns = self.label.shape
         words = f"{len(self.motions)} motions at Lambda = {self.frequency:g}, {rows} x {columns} starts: {self.ended}"
         return f"<Basins of {in_own_unit(words, self.train)}>"
+
+    @property
+    def orbit(self) -> list[int]:
+        """Number of the orbit of each of ``motions``, from 1: those that differ only by a turn of the planets of a symmetric
+        planetary set have one number."""
+        return orbits_of(self.motions)
 
     def start(self, displacement: float, velocity: float) -> Array:
         """The state at phase 0 of a start, (2*elements,), from which `Train.integrate` shows the way to its motion.

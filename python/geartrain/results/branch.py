@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .._core.box import Box, Group, described
 from .._core.dataset import dataframe, dataset
-from .._core.description import Description, mesh_names, shaft_names
+from .._core.description import Description, mesh_names, planet_names, shaft_names
 from .._core.parameter import with_values
 from .._core.units import Unit, hertz_of, in_own_unit, lambda_of, length_unit, speed_of
 from .._core.watch import watched
@@ -95,6 +95,9 @@ class Branch(Curves):
     correction : ndarray, (points,), or None
         Of a refined branch: by how much the waveform changed, relative, which is the error that the point had; NaN where shooting
         found no orbit near the point, which is as it was then. None where the branch is not refined.
+    load_share, load_share_maximum : ndarray, (points, planets of all planetary sets), or None
+        Mean and largest force of each planet with the sun (with the ring, without a sun) over the sum of the mean forces of its
+        set, see `Train.planet_labels`; nan without load, None without planets.
     branches : list of Branch
         Those that bifurcate from a response: at period doublings, ``period_doublings`` generations of them, and where
         ``branch_points`` says so at branch points.
@@ -135,6 +138,8 @@ class Branch(Curves):
     parameter_name: str = ""
     parameter_unit: str = ""
     correction: Array | None = None
+    load_share: Array | None = None
+    load_share_maximum: Array | None = None
     branches: list[Branch] = field(default_factory=list)
     settings: Mapping[str, Any] = field(default_factory=dict)
     train: Description | None = None
@@ -346,6 +351,7 @@ class Branch(Curves):
         values = {
             **self.arrays(), "true_ac_rms": self.true_ac_rms, "mesh_label": mesh_names(self.train, self.rms.shape[1]),
             "shaft_label": None if torque is None else shaft_names(self.train, torque.shape[1]),
+            "planet_label": None if self.load_share is None else planet_names(self.train, self.load_share.shape[1]),
             "speed": self.speed, "fundamental_frequency": self.fundamental_frequency,
         }
         if self.parameter_name:

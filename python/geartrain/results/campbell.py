@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,7 @@ from .._core.description import Description
 from .._core.text_table import text_table
 from .._core.units import Unit, own_lambda, speed_of, units_of
 from ..errors import InputError, shown
+from ..planetary_picture import stages_of
 from ..plots.draw import COLORS, DASHES, draws, new_axes, put_legend
 from .excitation import Resonances, excitations
 
@@ -112,6 +114,9 @@ class Campbell:
         By frequency.
     range : tuple of float
         Lambda, from and to.
+    planet_passes : mapping of str to float
+        Per revolution of the body that tells the speed, by the names of planetary sets: how often a planet passes a tooth of the
+        ring (of the sun, without a ring). Nothing in the model excites with these orders; sensors at rest see them.
     train : Train
     """
 
@@ -121,6 +126,7 @@ class Campbell:
     crossings: tuple[Crossing, ...]
     range: tuple[float, float]
     train: Description = field(repr=False)
+    planet_passes: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of(cls, train: Description, modes: Modes, start: float, stop: float) -> Campbell:
@@ -140,7 +146,10 @@ class Campbell:
                                           resonances.over_mean(forces)))
         ranks = {id(crossing): rank for rank, crossing in enumerate(sorted(found, key=lambda one: -one.over_mean), 1)}
         ordered = [replace(crossing, rank=ranks[id(crossing)]) for crossing in sorted(found, key=lambda one: one.frequency)]
-        return cls(modes.natural_frequency * hertz, modes.damping_ratio, orders, tuple(ordered), (low, high), train)
+        passes = {name: float(told.get("ring_planet_pass", told.get("sun_planet_pass", 0.0)))
+                  for name, told in stages_of(train).items()} if train._outline["speed"] else {}
+        return cls(modes.natural_frequency * hertz, modes.damping_ratio, orders, tuple(ordered), (low, high), train,
+                   {name: often for name, often in passes.items() if often > 0})
 
     def __str__(self) -> str:
         known = any(crossing.order.per_revolution is not None for crossing in self.crossings)
@@ -212,6 +221,10 @@ class Campbell:
             hertz = order.order * ends * self.train._outline["fundamental_frequency"]
             ax.plot(units.per_lambda * ends, hertz, color=color, linestyle=dashes, linewidth=1.1)
             self._name(ax, order, units.per_lambda * ends, hertz, inside / top, top, color, taken)
+        for name, often in self.planet_passes.items():
+            turns_hertz = np.array([speed_of(self.train, end) for end in ends], float) / 60
+            ax.plot(units.per_lambda * ends, often * turns_hertz, color="0.5", linewidth=0.9, linestyle=(0, (1, 2)),
+                    label=f"planet pass of {name}, {often:.4g}")
         for number, source in enumerate(sources):
             color, dashes = _look(number)
             ax.plot([], [], color=color, linestyle=dashes, label=source)

@@ -49,6 +49,9 @@ class Modes(Table):
         Stiffness times squared displacement of each element in the motion with this rotation [N m].
     rigid_rotation : ndarray, (motions, bodies), or None
         Rotation of each body in the motions that deflect no element, the largest 1; None where springs to ground hold the train.
+    kind : tuple of str, or None
+        With planetary sets ``'torsional'``, the planets of each set move alike; ``'planets of stage 1'``, where sun, ring and
+        carrier stand still; else ``'mixed'``. None without planetary sets.
     train : Train
     """
 
@@ -64,6 +67,7 @@ class Modes(Table):
     rotation: NDArray[np.float64] | None = None
     energy: NDArray[np.float64] | None = None
     rigid_rotation: NDArray[np.float64] | None = None
+    kind: tuple[str, ...] | None = None
     train: Description | None = field(default=None, repr=False)
 
     def __str__(self) -> str:
@@ -73,6 +77,7 @@ class Modes(Table):
             "natural [Hz]": [None] * len(self.natural_frequency) if hertz is None else hertz.tolist(),
             "Lambda": self.natural_frequency.tolist(),
             "damping [%]": (100 * self.damping_ratio).tolist(),
+            **({} if self.kind is None else {"kind": list(self.kind)}),
         })
 
     __repr__ = __str__
@@ -130,5 +135,6 @@ class Modes(Table):
         hertz = self.natural_frequency_hertz
         assert hertz is not None
         damping = 100 * self.damping_ratio[mode - 1]
-        ax.set_title(f"mode {mode}:  {hertz[mode - 1]:.4g} Hz,  {damping:.2g} % of critical damping", fontsize=10)
+        kind = "" if self.kind is None else f",  {self.kind[mode - 1]}"
+        ax.set_title(f"mode {mode}:  {hertz[mode - 1]:.4g} Hz,  {damping:.2g} % of critical damping{kind}", fontsize=10)
         return ax

@@ -96,6 +96,9 @@ class Motion(Pictures):
         In N m, over the period; NaN where rigid shafts side by side leave it undetermined.
     reaction_torque_mean, reaction_torque_minimum, reaction_torque_maximum : ndarray, (held bodies,), or None
         Torque in N m by which each held body is held, over the period; None where no body is held.
+    load_share, load_share_maximum : ndarray, (planets of all planetary sets,), or None
+        Mean and largest force of each planet with the sun (with the ring, without a sun) over the sum of the mean forces of its
+        set; nan without load, None without planets.
     train : Train
         The train that moves so.
     """
@@ -137,6 +140,8 @@ class Motion(Pictures):
     reaction_torque_mean: Array | None = None
     reaction_torque_minimum: Array | None = None
     reaction_torque_maximum: Array | None = None
+    load_share: Array | None = None
+    load_share_maximum: Array | None = None
     train: Description | None = field(default=None, repr=False)
 
     @property

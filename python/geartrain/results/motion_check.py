@@ -9,10 +9,12 @@ import numpy as np
 
 from ..errors import InputError, shown
 
-__all__ = ["NUMBERS", "TORQUES", "UNCERTAINTIES", "VALUES", "check_motion", "check_states"]
+__all__ = ["NUMBERS", "SHARES", "TORQUES", "UNCERTAINTIES", "VALUES", "check_motion", "check_states"]
 
 #: Values of every shaft; None where the motion has none.
 TORQUES = ("shaft_torque_mean", "shaft_torque_minimum", "shaft_torque_maximum")
+#: Values of every planet of planetary sets; None where the train has none.
+SHARES = ("load_share", "load_share_maximum")
 #: What a longer window changes of the figures, of every mesh and of every shaft; None where there is no window.
 UNCERTAINTIES = (
     *("rms_uncertainty", "mean_uncertainty", "minimum_uncertainty", "maximum_uncertainty", "force_uncertainty"),
@@ -60,6 +62,10 @@ def check_motion(
         value = getattr(motion, name)
         if value is not None and (not _is_array(value, 1) or len(value) != len(np.atleast_1d(motion.shaft_torque_mean))):
             raise InputError(f"{what}: {name} = {shown(value)}: must be an array of numbers, one of each shaft, or None")
+    for name in SHARES:
+        value = getattr(motion, name)
+        if value is not None and (not _is_array(value, 1) or len(value) != len(np.atleast_1d(motion.load_share))):
+            raise InputError(f"{what}: {name} = {shown(value)}: must be an array of numbers, one of each planet, or None")
     for name in UNCERTAINTIES:
         value = getattr(motion, name)
         count = len(np.atleast_1d(motion.shaft_torque_mean)) if name.startswith("torque") else found

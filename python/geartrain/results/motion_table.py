@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from .._core.box import Box, Group
 from .._core.dataset import dataset
-from .._core.description import mesh_names, shaft_names
+from .._core.description import mesh_names, planet_names, shaft_names
 from .._core.units import hertz_of, speed_of
 from ..errors import InputError
-from .motion_check import NUMBERS, TORQUES, UNCERTAINTIES, VALUES, check_motion
+from .motion_check import NUMBERS, SHARES, TORQUES, UNCERTAINTIES, VALUES, check_motion
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-__all__ = ["ATTRACTORS", "INTEGRATION", "motions_dataset", "motions_of", "put_motions", "put_table"]
+__all__ = ["ATTRACTORS", "INTEGRATION", "motions_dataset", "motions_of", "orbits_of", "put_motions", "put_table"]
 
 Array = NDArray[Any]
 
@@ -44,7 +44,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
     assessed = bool(row.get("assessed", False))
     return {
         **{name: row.get(name, nothing) for name in VALUES},
-        **{name: row.get(name) for name in TORQUES},
+        **{name: row.get(name) for name in (*TORQUES, *SHARES)},
         **{name: None if row.get(name) is None or np.isnan(row[name]).all() else row[name] for name in UNCERTAINTIES},
         "window": float(np.nan_to_num(row.get("window", 0.0))),
         **{name: float(row.get(name, np.nan)) for name in ("frequency", *NUMBERS)},
@@ -61,10 +61,20 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
 
 
 _FIELDS = {
-    *VALUES, *TORQUES, *UNCERTAINTIES, *NUMBERS, "window",
+    *VALUES, *TORQUES, *SHARES, *UNCERTAINTIES, *NUMBERS, "window",
     *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
     *("assessed", "assessed_stable", "assessed_undecided"),
 }
+
+
+def orbits_of(motions: Sequence[Any]) -> list[int]:
+    """Number of the orbit of each motion of one train, from 1: a turn of the planets of a symmetric set makes no other."""
+    train = motions[0].train if motions else None
+    if train is None or len(motions) < 2 or not any(mesh.carrier for mesh in train.meshes):
+        return list(range(1, len(motions) + 1))
+    with train._ask() as box:
+        put_motions(box, *motions)
+        return [int(number) for number in box.show("orbits")["/orbits"].column("orbit")]
 
 
 def put_motions(box: Box, *motions: Any, what: str = "motion", only_state: bool = False) -> None:
@@ -103,7 +113,7 @@ def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
         "period": np.array([motion.period for motion in motions], np.intc),
         "kind": np.array([motion.kind for motion in motions], object),
         **{name: np.array([getattr(motion, name) for motion in motions], float) for name in VALUES},
-        **{name: _padded([getattr(motion, name) for motion in motions]) for name in (*TORQUES, *UNCERTAINTIES)},
+        **{name: _padded([getattr(motion, name) for motion in motions]) for name in (*TORQUES, *SHARES, *UNCERTAINTIES)},
         "window": np.array([float(motion.window) for motion in motions]) if any(motion.window for motion in motions) else None,
         "true_ac_rms": np.array([motion.rms for motion in motions], float) / np.sqrt(2),
         "coefficients": _padded([motion.coefficients for motion in motions]),
@@ -123,10 +133,11 @@ def motions_dataset(
     """Motions as the table of a group of the results file."""
     train, frequency = motions[0].train if motions else None, np.array([motion.frequency for motion in motions])
     values = as_columns(motions)
-    torque = values["shaft_torque_mean"]
+    torque, share = values["shaft_torque_mean"], values["load_share"]
     labels = {
         "mesh_label": mesh_names(train, len(motions[0].rms)) if motions else None,
         "shaft_label": None if torque is None else shaft_names(train, torque.shape[1]),
+        "planet_label": None if share is None else planet_names(train, share.shape[1]),
     }
     speeds = {"speed": speed_of(train, frequency), "fundamental_frequency": hertz_of(train, frequency)}
     return dataset(path, {**values, **labels, **speeds, **columns}, dict(attributes or {}), coordinates)

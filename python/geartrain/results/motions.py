@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from .._core.text_table import text_table
 from .._core.units import length_unit
 from .motion import Motion
+from .motion_table import orbits_of
 
 __all__ = ["Find", "Motions", "adds_up", "index_of", "index_sum"]
 
@@ -44,6 +45,9 @@ class Motions(list[Motion]):
         Attractors that random starts settled on without a period, or with a longer one.
     tried : int
         Random states from which shooting was begun.
+    orbit : list of int
+        Number of the orbit of each, from 1, (motions,): motions that differ only by a turn of the planets of a symmetric planetary
+        set have one number.
     """
 
     def __init__(
@@ -59,6 +63,7 @@ class Motions(list[Motion]):
         self.complete = adds_up(self.index_sum, self.expected_sum)
         self.others = list(others)
         self.tried = tried
+        self.orbit = orbits_of(self)
 
     def __str__(self) -> str:
         unit = length_unit(self[0].train) if self else ""
@@ -70,7 +75,11 @@ class Motions(list[Motion]):
             "stable": [bool(motion.stable) for motion in self],
             "found": self.how,
         })
-        return f"{table}\n{self._verdict()}"
+        return f"{table}\n{self._verdict()}{self._symmetry()}"
+
+    def _symmetry(self) -> str:
+        orbits = max(self.orbit, default=0)
+        return "" if orbits == len(self) else f"; up to a turn of the planets of symmetric sets these are {orbits} motions"
 
     def _verdict(self) -> str:
         if self.complete:
@@ -82,7 +91,7 @@ class Motions(list[Motion]):
         return f"{missing}: the sum of the indices is {sums}"
 
     def __repr__(self) -> str:
-        return f"<{len(self)} motions at Lambda = {self.frequency:g}: {self._verdict()}>"
+        return f"<{len(self)} motions at Lambda = {self.frequency:g}: {self._verdict()}{self._symmetry()}>"
 
 
 def index_sum(motions: Iterable[Motion], period: int) -> int | None:

@@ -80,6 +80,21 @@ class Sweep(list[Motion]):
         return np.array([motion.shaft_torque_maximum for motion in self])
 
     @property
+    def load_share(self) -> Array | None:
+        """Share of each planet in the mean load of its planetary set, (motions, planets); None without planets."""
+        return self._shares("load_share")
+
+    @property
+    def load_share_maximum(self) -> Array | None:
+        """Largest force of each planet over the mean load of its set, (motions, planets); None without planets."""
+        return self._shares("load_share_maximum")
+
+    def _shares(self, name: str) -> Array | None:
+        rows = [getattr(motion, name) for motion in self]
+        known = [row for row in rows if row is not None]
+        return np.array([np.full_like(known[0], np.nan) if row is None else row for row in rows]) if known else None
+
+    @property
     def speed(self) -> Array | None:
         """Speed [rpm] of the body that `Train.speed_name` tells, (motions,); None where not every mesh has teeth."""
         return speed_of(self[0].train if self else None, self.frequency)

@@ -31,6 +31,7 @@ module geartrain_analyses_attractors
    use geartrain_network_system, only: build_system, system_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, in_width
    use geartrain_readings_length_text, only: length_text, length_text_type
+   use geartrain_report_planet_loads, only: say_orbits
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -433,6 +434,7 @@ contains
                call sheet%add(in_result, line)
             end associate
          end do
+         if (allocated(found%motions)) call say_orbits(train, found%motions, sheet)
          if (.not. allocated(found%ended)) return
          call told%of_words(found%ended, words)
          if (words /= 'all starts done' .or. sheet%verbose) &

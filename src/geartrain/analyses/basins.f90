@@ -33,6 +33,7 @@ module geartrain_analyses_basins
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
    use geartrain_network_units, only: mesh_frequencies
+   use geartrain_report_planet_loads, only: say_orbits
    use geartrain_base_sheet, only: in_quality, in_result, sheet_type
    use geartrain_analyses_torque_table, only: torque_table_type
    implicit none (type, external)
@@ -418,6 +419,7 @@ contains
                100*found%grid_share_error(i), ' %', 100*found%motions(i)%share, ' +-', 100*found%share_error(i), ' %'
             call sheet%add(in_result, line)
          end do
+         if (allocated(found%motions)) call say_orbits(train, found%motions, sheet)
          if (.not. allocated(found%ended)) return
          call told%of_words(found%ended, words)
          if (words /= 'all starts done' .or. sheet%verbose) &

@@ -16,6 +16,7 @@ module geartrain_analyses_branch_report
    use geartrain_readings_jump_sentences, only: say_jumps
    use geartrain_readings_range_sentences, only: range_words
    use geartrain_readings_summary, only: band_type, bands_without_stability
+   use geartrain_report_planet_loads, only: say_sharing
    use geartrain_trace_branch, only: branch_type, gap_along, response_settings_type
    use geartrain_trace_decided, only: joined
    use geartrain_train_names, only: list_numbers, mesh_names, name_length
@@ -169,6 +170,8 @@ contains
          call find_errors(branch, train, largest, error)
          call say_meshes(branch%mesh_load(:, :n), largest, at, at_end, error, sweep, contact, names, told, sheet)
          call say_ends(branch, largest, at_end, sheet)
+         if (allocated(branch%load_share)) call say_sharing(branch%load_share(:, :n), branch%load_share_maximum(:, :n), at, &
+                                                            counts, train, told, sheet)
          if (allocated(branch%shaft_torque_mean)) then
             call say_reversals(train, branch%shaft_torque_minimum(:, :n), branch%shaft_torque_maximum(:, :n), at, counts, &
                                connected, told, sheet)

@@ -105,6 +105,10 @@ contains
                                 &positive in its running sense, largest 1', optional=.true.), modes%rotation)
          call carry(fields, row('energy', 'mode element', 'N m', 'stiffness times squared displacement of each element in the &
                                 &motion with this rotation, in rad', optional=.true.), modes%energy)
+         if (fields%has('kind', allocated(modes%kind))) &
+            call carry(fields, row('kind', 'mode', '', '`torsional`: the planets of each set move alike; `planets of NAME`: sun, &
+                                   &ring and carrier stand still; else `mixed`', 'with planetary sets', optional=.true.), &
+                       modes%kind)
          n = 0
          if (allocated(modes%rigid)) n = size(modes%rigid, 2)
          if (.not. fields%has('rigid_rotation', n > 0)) return

@@ -58,6 +58,7 @@ contains
             line = line//in_width(significant(modes%natural_frequency(i)*hertz), 12)// &
                    in_width(significant(100*modes%damping_ratio(i)), 19)//'  '//trim(modes%element(largest))
             if (modes%element_label(largest) /= modes%element(largest)) line = line//' ('//trim(modes%element_label(largest))//')'
+            if (allocated(modes%kind)) line = line//'; '//trim(modes%kind(i))
             if (missed(i)) line = line//'; modal_damping asks for '//significant(100*asked(i))//' %'
             call sheet%add(in_modes, line)
          end do

@@ -199,7 +199,7 @@ contains
       end if
       ! A state has the twists of shafts less those at rest, which the acceleration changes.
       allocate (shift(system%states), source=0.0_dp)
-      where (system%element_shaft(:system%displacements) > 0) &
+      where (system%element_mesh(:system%displacements) == 0) &
          shift(:system%displacements) = steady%static_force(:system%displacements) - system%static_force(:system%displacements)
       samples = settings%samples
       if (samples == 0) samples = automatic_samples(system, ramp)

@@ -14,6 +14,7 @@ module geartrain_analyses_sweep_report
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_readings_range_sentences, only: range_words, ranges_of_points
+   use geartrain_report_planet_loads, only: say_sharing
    use geartrain_train_names, only: mesh_names, name_length, torque_names
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -78,6 +79,7 @@ contains
       character(name_length) :: names(size(train%meshes))
       real(dp), dimension(size(torque_names(train)), size(motions)) :: mean, low, high
       real(dp) :: smallest(size(motions)), largest(size(motions))
+      real(dp), allocatable :: share(:, :), share_maximum(:, :)
       logical, dimension(size(motions)) :: counts, has_torque, connected, hits
       integer :: sides(size(train%meshes)), strongest(size(train%meshes)), i, mesh
 
@@ -119,6 +121,17 @@ contains
          strongest = [(maxloc(load(mesh, :)%force_maximum, 1, counts), mesh=1, size(strongest))]
          nothing = text_type('')
          call say_meshes(load, strongest, at, [(.false., i=1, size(at))], nothing, nothing, contact, names, told, sheet)
+         i = findloc([(allocated(motions(i)%load_share), i=1, size(counts))], .true., 1)
+         if (i > 0) then
+            allocate (share(size(motions(i)%load_share), size(motions)), source=0.0_dp)
+            share_maximum = share
+            do i = 1, size(motions)
+               if (.not. (counts(i) .and. allocated(motions(i)%load_share))) cycle
+               share(:, i) = motions(i)%load_share
+               share_maximum(:, i) = motions(i)%load_share_maximum
+            end do
+            call say_sharing(share, share_maximum, at, counts, train, told, sheet)
+         end if
          if (.not. any(has_torque)) return
          call say_reversals(train, low, high, at, has_torque, connected, told, sheet)
          call torques%take(mean, low, high, at, has_torque, told)

@@ -8,7 +8,7 @@ module geartrain_balance_balanced_torque
    use geartrain_network_receptance, only: amplitude_at, linear_displacements
    implicit none (type, external)
    private
-   public :: find_shaft_torques, shaft_coefficients
+   public :: find_shaft_torques, mean_forces, shaft_coefficients
 
 contains
 
@@ -38,6 +38,24 @@ contains
       end do
    end subroutine find_shaft_torques
 
+   !> Mean of phi of every element [1], (element). The displacement of a shaft is relative to its displacement at rest.
+   pure subroutine mean_forces(balance, force)
+      !> The balance, last evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> The means; 0 for damping to ground.
+      real(dp), intent(out) :: force(:)
+      integer :: i
+
+      associate (system => balance%system)
+         do i = 1, system%elements
+            force(i) = system%static_force(i) + system%spring(i)*system%mean%linear_displacement(system%cut, i, &
+                                                                                                balance%force(1, :), &
+                                                                                                system%static_force)
+         end do
+         force(system%cut%element) = balance%force(1, :)
+      end associate
+   end subroutine mean_forces
+
    !> Finds mean, cos and sin of each carried harmonic of the torque of each shaft [N m], (block, shaft).
    pure subroutine shaft_coefficients(balance, coefficients)
       !> The balance, last evaluated at the motion.
@@ -49,13 +67,7 @@ contains
       integer :: i, k, n, s
 
       associate (system => balance%system, paths => balance%system%torque_paths)
-         ! phi of every element: the displacement of a shaft is relative to its displacement at rest.
-         do i = 1, system%elements
-            force(i) = system%static_force(i) + system%spring(i)*system%mean%linear_displacement(system%cut, i, &
-                                                                                                balance%force(1, :), &
-                                                                                                system%static_force)
-         end do
-         force(system%cut%element) = balance%force(1, :)
+         call mean_forces(balance, force)
          do s = 1, paths%rows
             coefficients(1, s) = paths%constant(s)
             do i = paths%first(s), paths%first(s + 1) - 1

@@ -36,6 +36,9 @@ module geartrain_balance_motion
       real(dp), allocatable :: shaft_torque_mean(:), shaft_torque_minimum(:), shaft_torque_maximum(:)
       !> Number of held bodies, at the end of these lists.
       integer :: held = 0
+      !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet); not allocated:
+      !> no planets.
+      real(dp), allocatable :: load_share(:), load_share_maximum(:)
       !> State at time 0 [1]: displacements of the coordinates, then velocities; allocated where integration gave it.
       real(dp), allocatable :: state(:)
       !> Floquet multipliers over one period of the motion [1]; allocated where they were asked for.

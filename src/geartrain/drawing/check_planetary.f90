@@ -158,6 +158,11 @@ contains
       else if (set%planets < 2) then
          call checker%lacks('planets', '>= 2', ' or angles')
       end if
+      if (is_given(set%planet_errors)) then
+         if (size(set%planet_errors) /= numbers%planets .and. numbers%planets > 0) &
+            call checker%complain('planet_errors', integer_text(size(set%planet_errors))//' values', 'must be '// &
+                                  integer_text(numbers%planets)//' values, one a planet')
+      end if
       call check_pair('backlash', set%backlash)
       call check_pair('half_backlash', set%half_backlash)
       call check_pair('stiffness', set%stiffness)

@@ -8,7 +8,7 @@ module geartrain_drawing_planetary_expansion
    use geartrain_drawing_check_planetary, only: check_set
    use geartrain_drawing_planetary_meshes, only: planet_name, ring_lag, ring_meshes, set_type, sun_meshes
    use geartrain_train_body, only: body_type
-   use geartrain_train_mesh, only: mesh_type
+   use geartrain_train_mesh, only: is_given, mesh_type
    use geartrain_train_planetary, only: planetary_type
    use geartrain_train_planetary_variables, only: visit_planetary
    use geartrain_train_train, only: train_type
@@ -162,6 +162,8 @@ contains
                if (.not. set%ring_phase_given) lag = lag + ring_lag(set, numbers)
             end if
             mesh%phase = 2*pi*modulo(lag, 1.0_dp)
+            ! A planet that sits back against the push has both its meshes deflected more.
+            if (is_given(set%planet_errors)) mesh%error_mean = set%planet_errors(n)
          end associate
       end do
       train%meshes = meshes

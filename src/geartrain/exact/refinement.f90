@@ -209,6 +209,10 @@ contains
          branch%shaft_torque_minimum(:, i) = motion%shaft_torque_minimum
          branch%shaft_torque_maximum(:, i) = motion%shaft_torque_maximum
       end if
+      if (allocated(branch%load_share)) then
+         branch%load_share(:, i) = motion%load_share
+         branch%load_share_maximum(:, i) = motion%load_share_maximum
+      end if
       branch%error_estimate(i) = motion%error_estimate
       branch%mesh_error_estimate(:, i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.

@@ -299,7 +299,7 @@ contains
          end do
          do i = 1, size(coefficient, 2)
             associate (n => system%coordinates + i)
-               if (system%element_shaft(n) > 0) coefficient(0, i) = coefficient(0, i) - system%static_force(n)
+               if (system%element_mesh(n) == 0) coefficient(0, i) = coefficient(0, i) - system%static_force(n)
             end associate
          end do
       end associate

@@ -7,6 +7,7 @@ module geartrain_flow_motion_fields
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
+   use geartrain_flow_load_share_fields, only: about_planet, carry_shares
    use geartrain_flow_torque_fields, only: about_held, carry_torque
    implicit none (type, external)
    private
@@ -93,13 +94,14 @@ contains
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: none(:)
-      integer :: i, n, meshes, shafts, held, terms, coordinates, states
-      logical :: torques_there
+      integer :: i, n, meshes, shafts, held, planets, terms, coordinates, states
+      logical :: torques_there, planets_there
 
       n = fields%length_of(along)
       meshes = max(0, fields%length_of('mesh'))
       shafts = 0
       held = 0
+      planets = 0
       terms = 0
       coordinates = 0
       states = 0
@@ -115,6 +117,7 @@ contains
                held = motions(i)%held
                shafts = size(motions(i)%shaft_torque_mean) - held
             end if
+            if (allocated(motions(i)%load_share)) planets = size(motions(i)%load_share)
             if (allocated(motions(i)%state)) coordinates = max(coordinates, size(motions(i)%state))
             if (allocated(motions(i)%multipliers)) states = max(states, size(motions(i)%multipliers))
          end do
@@ -124,6 +127,8 @@ contains
       torques_there = fields%has('shaft_torque_mean', shafts + held > 0)
       if (torques_there) call fields%index_axis('shaft', shafts, about_shaft)
       if (fields%has('reaction_torque_mean', held > 0)) call fields%index_axis('held', held, about_held)
+      planets_there = fields%has('load_share', planets > 0)
+      if (planets_there) call fields%index_axis('planet', planets, about_planet)
       if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
          'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
          &a body last')
@@ -133,22 +138,22 @@ contains
       if (fields%way == listing) then
          allocate (none(1))
          call fields%visit_item(1)
-         call visit_motion(none(1), along, .true., fields)
+         call visit_motion(none(1), along, .true., .true., fields)
       else
          do i = 1, n
             call fields%visit_item(i)
-            call visit_motion(motions(i), along, torques_there, fields)
+            call visit_motion(motions(i), along, torques_there, planets_there, fields)
          end do
       end if
       call fields%end_list()
    end subroutine visit_motions
 
-   subroutine visit_motion(motion, along, torques_there, fields)
+   subroutine visit_motion(motion, along, torques_there, planets_there, fields)
       type(motion_type), intent(inout) :: motion
       !> Dimension of the list: 'point' of a sweep, else 'motion'.
       character(*), intent(in) :: along
-      !> Whether a motion of the list has torques of shafts.
-      logical, intent(in) :: torques_there
+      !> Whether a motion of the list has torques of shafts, and load shares of planets.
+      logical, intent(in) :: torques_there, planets_there
       class(fields_type), intent(inout) :: fields
       real(dp), allocatable :: ac(:)
       real(dp) :: exponent
@@ -174,6 +179,7 @@ contains
       call carry_loads(fields, motion%mesh_load)
       if (torques_there) call carry_torques(fields, motion%shaft_torque_mean, motion%shaft_torque_minimum, &
                                             motion%shaft_torque_maximum)
+      if (planets_there) call carry_shares(fields, motion%load_share, motion%load_share_maximum)
       if (fields%way == reading) motion%held = max(0, fields%length_of('held'))
       if (fields%has('rms_uncertainty', allocated(motion%uncertainty%rms))) &
          call carry_uncertainty(fields, motion%uncertainty, torques_there)

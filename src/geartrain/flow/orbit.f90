@@ -7,6 +7,7 @@ module geartrain_flow_orbit
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_force_series, only: impulse
    use geartrain_flow_shaft_torque, only: add_torques, linear_forces
    use geartrain_flow_uncertainty, only: figure_uncertainty_type, uncertainty_of
    use geartrain_flow_window, only: cycle_time
@@ -80,7 +81,7 @@ contains
 
    !> Samples a period of an orbit, or a window of a flow, at equidistant instants, the first at phase 0.
    subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque, rate, window, &
-                           observer, stopped)
+                           observer, stopped, mean)
       !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
@@ -105,6 +106,8 @@ contains
       class(observer_type), intent(inout), optional :: observer
       !> Whether the observer ended the flow.
       logical, intent(out), optional :: stopped
+      !> Mean force of the mesh of each planet, `system%sharing`, by integration [N], (planet).
+      real(dp), intent(out), optional :: mean(:)
       type(flow_type) :: flow
       real(dp), allocatable :: phi(:, :)
       real(dp) :: spacing, stretch, begun, next_look, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
@@ -135,6 +138,7 @@ contains
       end if
       spent = 0
       if (present(largest)) largest = 0
+      if (present(mean)) mean = 0
       q = 2
       do i = 1, stretches
          call flow%start(frequency_ratio, 0.0_dp)
@@ -143,6 +147,13 @@ contains
             begun = flow%time
             contact = flow%contact
             call flow%step(stretch)
+            if (present(mean)) then
+               do j = 1, size(mean)
+                  associate (mesh => system%sharing%mesh(j))
+                     mean(j) = mean(j) + impulse(flow, mesh, contact(mesh))/(stretches*stretch)
+                  end associate
+               end do
+            end if
             do j = 1, system%meshes
                associate (region => max(-1, min(1, contact(j))))
                   spent(region, j) = spent(region, j) + flow%length
@@ -264,7 +275,7 @@ contains
       logical, intent(out), optional :: stopped
       type(transform_type) :: transform
       real(dp), allocatable :: p(:, :), force(:, :), torque(:, :)
-      real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes)
+      real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes), mean_force(size(system%sharing%mesh))
       real(dp) :: periods
       integer :: harmonics, lines, j, k, q
       logical :: ended
@@ -278,7 +289,7 @@ contains
       if (motion%window > 0) q = transform_length(q)
       allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%rows))
       call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque, &
-                        window=motion%window, observer=observer, stopped=ended)
+                        window=motion%window, observer=observer, stopped=ended, mean=mean_force)
       if (present(stopped)) stopped = ended
       ! Figures of long windows take a second that nobody waits for any more.
       if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
@@ -313,6 +324,12 @@ contains
          motion%mesh_load(j)%separation = share(0, j)
          motion%mesh_load(j)%back_contact = share(-1, j)
       end do
+      if (size(mean_force) > 0) then
+         motion%load_share = mean_force
+         motion%load_share_maximum = mean_force
+         call system%sharing%find_shares(mean_force, motion%mesh_load(system%sharing%mesh)%force_maximum, motion%load_share, &
+                                         motion%load_share_maximum)
+      end if
       motion%floating = is_floating(system, motion)
       do j = 1, system%meshes
          transform%sample = p(:, j)

@@ -9,6 +9,7 @@ module geartrain_flow_ramped_flow
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_bound, only: bound_type
    use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_force_series, only: force_series
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_ramp, only: ramp_type
    use geartrain_flow_taylor, only: add_waves, series_value
@@ -288,31 +289,6 @@ contains
          end do
       end associate
    end subroutine torque_series
-
-   !> Taylor coefficients of the force of a mesh over the latest step [N].
-   pure subroutine force_series(flow, mesh, region, force)
-      type(flow_type), intent(in) :: flow
-      !> Number of the mesh; region of its law during the step.
-      integer, intent(in) :: mesh, region
-      real(dp), intent(out) :: force(0:)
-      real(dp) :: stretch(0:flow%order)
-      integer :: k, n
-
-      n = flow%system%mesh_element(mesh)
-      associate (law => flow%system%law(mesh))
-         stretch = flow%p(1, n, :)
-         stretch(0) = stretch(0) - law%origin(region)
-         force = law%damping(region)*flow%v(1, n, :)
-         if (law%varies(region)) then
-            do k = 0, flow%order
-               force(k:) = force(k:) + flow%kappa(k, mesh)*stretch(:flow%order - k)
-            end do
-         else
-            force = force + law%stiffness(region)*stretch
-         end if
-      end associate
-      force = flow%system%stiffness(n)*flow%system%characteristic_length*force
-   end subroutine force_series
 
    !> Includes the values of a Taylor series over a step in a range. A step is shorter than a period of the fastest vibration: in
    !> either half of it the slope changes sign once at most.

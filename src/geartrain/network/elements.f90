@@ -25,6 +25,8 @@ module geartrain_network_elements
       real(dp) :: radius = 0
       !> Stiffness [N/m] and damping [N s/m] along the line of action.
       real(dp) :: stiffness = 0, damping = 0
+      !> Constant part of the displacement, which no rotation causes [m].
+      real(dp) :: error_mean = 0
       !> An unknown of the harmonic balance: a mesh with backlash or a varying stiffness, or an element of more than two entries.
       logical :: unknown = .false.
       !> .false.: a damper to ground. Its displacement is the vibration of the node; the stiffness only is the unit of the force.
@@ -166,6 +168,7 @@ contains
          element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
          call put_row(nodes, ends, radii*[1, -1], element)
          element%stiffness = mesh%stiffness
+         element%error_mean = mesh%error_mean
          element%damping = damping_of(mesh%damping_ratio, mesh%stiffness, radii, vibrating(nodes, inertia, ends, .true.))
          if (mesh%damping_given) element%damping = mesh%damping
       end associate

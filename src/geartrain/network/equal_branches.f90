@@ -12,7 +12,7 @@ module geartrain_network_equal_branches
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: equal_branches_type, find_equal_branches, same_branches
+   public :: equal_branches_type, find_equal_branches, same_branches, same_nodes
 
    !> Relative difference of two numbers that are equal but for rounding; of two static forces, which an iteration finds.
    real(dp), parameter :: rounding = 1e-12_dp, rest_error = 1e-8_dp
@@ -273,7 +273,9 @@ contains
 
    !> Whether two nodes have the same reduced mass, torques and damping, and neither balances the torques.
    pure logical function same_nodes(system, a, b)
+      !> The train.
       type(system_type), intent(in) :: system
+      !> Numbers of the nodes.
       integer, intent(in) :: a, b
       integer :: i
 
@@ -326,7 +328,8 @@ contains
       associate (one => system%network%elements(a), other => system%network%elements(b), radius => system%network%radius)
          same_elements = (one%mesh > 0 .eqv. other%mesh > 0) .and. (one%unknown .eqv. other%unknown) .and. &
             (one%elastic .eqv. other%elastic) .and. size(one%node) == size(other%node) .and. &
-            equal([one%stiffness, other%stiffness]) .and. equal([one%damping, other%damping])
+            equal([one%stiffness, other%stiffness]) .and. equal([one%damping, other%damping]) .and. &
+            equal([one%error_mean, other%error_mean])
          if (same_elements) same_elements = all(equal_numbers(one%entry/radius(one%node), other%entry/radius(other%node)))
          if (.not. same_elements .or. one%mesh == 0) return
          same_elements = same_laws(system%law(one%mesh), system%law(other%mesh)) .and. &

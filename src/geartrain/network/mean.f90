@@ -3,7 +3,7 @@
 !>
 !> With loop matrix C (geartrain_network_network) and means:
 !>    F_n + sum over c of C_cn (F_c - load_c) = load_n          an unknown mesh n of the tree
-!>    p_c - sum over unknown n of C_cn p_n = sum over linear n of C_cn p_n    an unknown mesh c that closes a loop
+!>    p_c - sum over unknown n of C_cn p_n = sum over linear n of C_cn p_n + misfit_c    an unknown mesh c that closes a loop
 module geartrain_network_mean
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
@@ -28,13 +28,13 @@ module geartrain_network_mean
 contains
 
    !> Makes the mean equations of a network.
-   pure subroutine mean_rows(network, cut, load, mean)
+   pure subroutine mean_rows(network, cut, load, misfit, mean)
       !> Network of the train.
       type(network_type), intent(in) :: network
       !> The network cut at its unknown meshes.
       type(cut_type), intent(in) :: cut
-      !> Force of each element at rest over k b_c [1], (element).
-      real(dp), intent(in) :: load(:)
+      !> Force of each element at rest over k b_c [1], (element); misfit of each loop by constant errors over b_c [1], (loop).
+      real(dp), intent(in) :: load(:), misfit(:)
       !> The equations.
       type(mean_type), intent(out) :: mean
       integer :: c, i, j, n
@@ -51,7 +51,7 @@ contains
             c = cut%element(unknown)
             mean%force(unknown) = 0
             mean%displacement(unknown) = 1
-            mean%static_force(unknown) = 0
+            mean%static_force(unknown) = misfit(c - network%coordinates)
             do j = 1, cut%unknowns
                n = cut%element(j)
                if (n > network%coordinates) cycle

@@ -4,16 +4,21 @@ module geartrain_network_natural_modes
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_sorting, only: ascending
+   use geartrain_drawing_drawing, only: plain_train
    use geartrain_linalg_lapack, only: dgeev
    use geartrain_network_check_train, only: check_train
    use geartrain_network_network, only: network_type
    use geartrain_network_system, only: build_system, system_type
    use geartrain_network_system_spectrum, only: eigenvalue_ranges, eigenvalues_of
    use geartrain_train_labels, only: body_labels, label_length, mesh_labels, shaft_labels
+   use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: modes_type, natural_modes, natural_frequency_ranges, state_matrix, stiffness_at_rest
+
+   !> Rotation over the largest of a mode that is rounding [1].
+   real(dp), parameter :: still = 1e-6_dp
 
    type :: modes_type
       !> Undamped natural frequencies over characteristic frequency [1], ascending, without the rigid-body mode, (mode).
@@ -34,6 +39,9 @@ module geartrain_network_natural_modes
       character(label_length), allocatable :: element_label(:)
       !> Names of the bodies, (body).
       character(label_length), allocatable :: body(:)
+      !> With planetary sets 'torsional': the planets of each set move alike; 'planets of stage 1': sun, ring and carrier stand
+      !> still; else 'mixed', (mode).
+      character(label_length), allocatable :: kind(:)
    end type modes_type
 
 contains
@@ -59,6 +67,7 @@ contains
       if (info == 0) call damped(system, modes, info)
       if (info /= 0) call fatal(error, 'natural modes: LAPACK did not converge', status_ended_early)
       call name_elements(train, system, modes)
+      if (info == 0) call find_kinds(train, modes)
    end subroutine natural_modes
 
    subroutine name_elements(train, system, modes)
@@ -90,6 +99,37 @@ contains
          end associate
       end do
    end subroutine name_elements
+
+   !> Sets the kinds of the modes of a train with planetary sets.
+   subroutine find_kinds(train, modes)
+      type(train_type), intent(in) :: train
+      type(modes_type), intent(inout) :: modes
+      type(train_type) :: plain
+      type(planetary_set_type), allocatable :: sets(:)
+      logical :: alike
+      integer :: i, j
+
+      call plain_train(train, plain)
+      if (.not. any(plain%meshes%carrier /= '')) return
+      call find_sets(plain, sets)
+      if (size(sets) == 0) return
+      allocate (modes%kind(size(modes%natural_frequency)))
+      do i = 1, size(modes%kind)
+         modes%kind(i) = 'mixed'
+         alike = .true.
+         do j = 1, size(sets)
+            associate (planets => modes%rotation(sets(j)%planets, i), &
+                       members => pack([sets(j)%sun, sets(j)%ring, sets(j)%carrier], &
+                                       [sets(j)%sun, sets(j)%ring, sets(j)%carrier] > 0))
+               if (maxval(planets) - minval(planets) <= still) cycle
+               alike = .false.
+               if (maxval(abs(modes%rotation(members, i))) <= still .and. abs(sum(planets)) <= still*size(planets)) &
+                  modes%kind(i) = 'planets of '//sets(j)%name
+            end associate
+         end do
+         if (alike) modes%kind(i) = 'torsional'
+      end do
+   end subroutine find_kinds
 
    !> Numbers of the elastic elements in the order of the case: shaft 1, mesh 1, shaft 2, ...
    pure function elastic(system) result(shown)

@@ -31,6 +31,8 @@ module geartrain_network_network
       !> Loop matrix C: displacement of each element after the coordinates per displacement of each coordinate [1], (loop,
       !> coordinate). A force in such an element is taken, times C, from the forces of the coordinates.
       real(dp), allocatable :: loop(:, :)
+      !> Displacement of each element after the coordinates where the coordinates are 0, by constant errors [m], (loop).
+      real(dp), allocatable :: misfit(:)
       !> Number of each element of `elements` in the order shaft 1, mesh 1, shaft 2, ..., springs, dampers.
       integer, allocatable :: order(:)
    end type network_type
@@ -248,7 +250,7 @@ contains
       end do
    end subroutine search
 
-   !> Sets the loop matrix.
+   !> Sets the loop matrix, and the misfit of each loop.
    pure subroutine find_loops(network)
       type(network_type), intent(inout) :: network
       type(rows_type) :: rows
@@ -256,6 +258,7 @@ contains
       integer :: i, n
 
       allocate (network%loop(size(network%elements) - network%coordinates, network%coordinates))
+      network%misfit = network%elements(network%coordinates + 1:)%error_mean
       if (size(network%loop, 1) == 0) return
       call rows%setup(size(network%inertia), network%coordinates)
       do n = 1, network%coordinates
@@ -263,6 +266,7 @@ contains
       end do
       do i = 1, size(network%loop, 1)
          network%loop(i, :) = rows%follow(network%elements(network%coordinates + i)%row_type)
+         network%misfit(i) = network%misfit(i) - dot_product(network%loop(i, :), network%elements(:network%coordinates)%error_mean)
       end do
    end subroutine find_loops
 

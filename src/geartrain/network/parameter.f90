@@ -19,7 +19,7 @@ module geartrain_network_parameter
    character(*), parameter :: plain_variables(*) = [character(24) :: 'input_torque', 'torque_cos', 'torque_sin', &
       'prime_mover_inertia', 'load_inertia', 'inertia', 'torque', 'damping_to_ground', 'stiffness', 'damping_ratio', 'damping', &
       'driving_radius', 'driven_radius', 'driving_inertia', 'driven_inertia', 'half_backlash', 'back_stiffness', 'back_phase', &
-      'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'revolution_torque_cos', 'revolution_torque_sin']
+      'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'error_mean', 'revolution_torque_cos', 'revolution_torque_sin']
    !> Those among them that `phase` turns.
    character(*), parameter :: turned_variables(*) = [character(24) :: 'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin']
    !> Those among them that the damping depends on where it follows from the modes.

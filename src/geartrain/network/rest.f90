@@ -44,7 +44,8 @@ contains
          force(:tree) = tree_forces(network)
          if (size(elastic) == tree) return
          own = force(elastic)
-         call share_force(network%loop(:size(elastic) - tree, :tree), network%elements(elastic), law, length, own, residual)
+         call share_force(network%loop(:size(elastic) - tree, :tree), network%misfit(:size(elastic) - tree), &
+                          network%elements(elastic), law, length, own, residual)
          force(elastic) = own
       end associate
    end subroutine rest_forces
@@ -71,37 +72,42 @@ contains
       end do
    end subroutine find_compliance
 
-   !> Finds the forces of least complementary energy in a network with loops. The energy is the sum of F^2/(2 k) + b |F|, with |F|
-   !> replaced by a smooth function that comes nearer and nearer to |F|.
-   pure subroutine share_force(loop, elements, law, length, force, residual)
+   !> Finds the forces of least complementary energy in a network with loops. The energy is the sum of F^2/(2 k) + b |F| over all
+   !> elements, less the sum of F times misfit over the elements that close loops, with |F| replaced by a smooth function that comes
+   !> nearer and nearer to |F|.
+   pure subroutine share_force(loop, misfit, elements, law, length, force, residual)
       real(dp), intent(in) :: loop(:, :), length
+      !> By constant errors [m], (loop).
+      real(dp), intent(in) :: misfit(:)
       type(element_type), intent(in) :: elements(:)
       type(law_type), intent(in) :: law(:)
       !> Forces of the tree alone, then of the network [N], (element).
       real(dp), intent(inout) :: force(:)
       real(dp), intent(out) :: residual
-      real(dp), dimension(size(loop, 1)) :: misfit, change, magnitude
+      real(dp), dimension(size(loop, 1)) :: gaping, change, magnitude
       real(dp) :: hessian(size(loop, 1), size(loop, 1)), taken(size(loop, 1), size(force)), smooth, step, unit
       real(dp), dimension(size(force)) :: root, least, way, compliance, gap
       integer :: pivot(size(loop, 1)), i, info, n, round
 
       residual = 0
       n = size(loop, 2)
-      unit = maxval(abs(force))
-      if (.not. unit > 0) return
       ! Force of each element per force of each closing element.
       taken = 0
       taken(:, :n) = -loop
       do i = 1, size(loop, 1)
          taken(i, n + i) = 1
       end do
+      ! Without torques the errors of linear elements alone make forces.
+      call find_compliance(elements, law, length, force, compliance, gap)
+      unit = max(maxval(abs(force)), maxval(abs(misfit)/matmul(taken**2, compliance)))
+      if (.not. unit > 0) return
       smooth = unit
       do round = 1, 16
          smooth = 0.1_dp*smooth
          do i = 1, 50
             call find_compliance(elements, law, length, force, compliance, gap)
             root = sqrt(force**2 + smooth**2)
-            change = matmul(taken, force*compliance + gap*force/root)
+            change = matmul(taken, force*compliance + gap*force/root) - misfit
             hessian = matmul(taken*spread(compliance + gap*smooth**2/root**3, 1, size(loop, 1)), transpose(taken))
             call factor_matrix(size(change), hessian, pivot, info)
             if (info /= 0) exit
@@ -113,7 +119,7 @@ contains
          end do
       end do
       call find_compliance(elements, law, length, force, compliance, gap)
-      magnitude = matmul(abs(taken), abs(force)*compliance + gap)
+      magnitude = matmul(abs(taken), abs(force)*compliance + gap) + abs(misfit)
       unit = maxval(abs(force))
       least = 0
       do i = 1, size(loop, 1)
@@ -121,10 +127,10 @@ contains
       end do
       where (abs(force) <= nothing*least) force = 0
       ! An unloaded mesh may stand anywhere in its gap.
-      misfit = abs(matmul(taken, force*compliance + sign(gap, force)*merge(1, 0, abs(force) > 0))) &
+      gaping = abs(matmul(taken, force*compliance + sign(gap, force)*merge(1, 0, abs(force) > 0)) - misfit) &
                - matmul(abs(taken), merge(0.0_dp, gap, abs(force) > 0))
       ! A path without backlash that bears nothing has no magnitude.
-      residual = max(0.0_dp, maxval(misfit/max(magnitude, tiny(unit))))
+      residual = max(0.0_dp, maxval(gaping/max(magnitude, tiny(unit))))
 
    contains
 
@@ -154,7 +160,7 @@ contains
 
          there = force + share*way
          call find_compliance(elements, law, length, there, soft, free)
-         slope = sum(way*(there*soft + free*there/sqrt(there**2 + smooth**2)))
+         slope = sum(way*(there*soft + free*there/sqrt(there**2 + smooth**2))) + sum(change*misfit)
       end function slope
 
    end subroutine share_force

@@ -55,6 +55,7 @@ contains
             call check_torque(j, force(strongest) + compliance(j))
             call check_list('mesh', j, 'error_cos', mesh%error_cos, 0.0_dp, 'it')
             call check_list('mesh', j, 'error_sin', mesh%error_sin, 0.0_dp, 'it')
+            call check_length('mesh', j, 'error_mean', mesh%error_mean, decades(mesh%error_mean), 'it')
             call check_length('mesh', j, 'half_backlash', mesh%half_backlash, decades(mesh%half_backlash), 'it')
             call check_variation(j, 'stiffness_cos', mesh%stiffness_cos)
             call check_variation(j, 'stiffness_sin', mesh%stiffness_sin)

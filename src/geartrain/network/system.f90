@@ -13,6 +13,7 @@ module geartrain_network_system
    use geartrain_mesh_law_law, only: law_type
    use geartrain_network_cut, only: cut_network, cut_type
    use geartrain_train_kinematics, only: find_kinematics, greatest_divisor, kinematics_type
+   use geartrain_network_load_sharing, only: find_sharing, sharing_type
    use geartrain_network_mean, only: mean_rows, mean_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_light_loads, only: reduce_light_loads
@@ -45,8 +46,8 @@ module geartrain_network_system
       real(dp), allocatable :: damping(:), static_force(:)
       !> Misfit of the static displacements round loops [1], see `rest_forces`.
       real(dp) :: rest_residual = 0
-      !> Displacement of each element that closes a loop where the coordinates and the transmission errors are 0 [1], (loop): the
-      !> coordinates leave out the static twists of the shafts.
+      !> Displacement of each element that closes a loop where the coordinates and the fluctuating errors are 0 [1], (loop): the
+      !> coordinates leave out the static twists of shafts and springs to ground.
       real(dp), allocatable :: loop_offset(:)
       !> Rate at which the determinant of the monodromy decays, every mesh on its drive flank [1].
       real(dp) :: decay = 0
@@ -66,6 +67,8 @@ module geartrain_network_system
       type(network_type) :: network
       type(cut_type) :: cut
       type(mean_type) :: mean
+      !> Planets whose load shares are results.
+      type(sharing_type) :: sharing
       !> How the torque of each shaft follows from forces and torques.
       type(torque_paths_type) :: torque_paths
       !> omega_c [rad/s] and b_c [m].
@@ -133,10 +136,13 @@ contains
                        system%rest_residual)
       system%static_force = system%static_force/(system%stiffness*system%characteristic_length)
       system%loop_offset = matmul(system%network%loop, merge(system%static_force(:system%coordinates), 0.0_dp, &
-                                                             system%element_shaft(:system%coordinates) > 0))
+                                                             system%element_mesh(:system%coordinates) == 0)) &
+                           + system%network%misfit/system%characteristic_length
+      call find_sharing(train, system%sharing)
       call find_torque_paths(train, system%network, system%torque_body, system%torque_paths)
       call cut_network(system%network, system%cut)
-      call mean_rows(system%network, system%cut, system%static_force, system%mean)
+      call mean_rows(system%network, system%cut, system%static_force, &
+                     system%network%misfit/system%characteristic_length, system%mean)
       do i = 1, size(system%torque)
          associate (node => system%network%node(system%torque_body(i)))
             if (node > 0 .and. size(system%torque(i)%amplitude) > 0) system%cut%part(system%cut%home(node))%excited = .true.

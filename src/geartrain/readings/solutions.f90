@@ -224,6 +224,10 @@ contains
                motion%shaft_torque_minimum = found%shaft_torque_minimum(:, i)
                motion%shaft_torque_maximum = found%shaft_torque_maximum(:, i)
             end if
+            if (allocated(found%load_share)) then
+               motion%load_share = found%load_share(:, i)
+               motion%load_share_maximum = found%load_share_maximum(:, i)
+            end if
             motion%error_estimate = found%error_estimate(i)
             if (.not. settings%stability) cycle
             if (found%states > 0) motion%multipliers = found%multipliers(:, i)

@@ -70,7 +70,7 @@ contains
       call find_sets(context%plain, sets)
       call find_turning(train, turning)
       do i = 1, size(sets)
-         call explain_set(train, sets(i), turning, trim(train%bodies(max(1, turning%reference))%name), fields)
+         call explain_set(context%system, i, train, sets(i), turning, trim(train%bodies(max(1, turning%reference))%name), fields)
       end do
    end subroutine explain_train
 
@@ -196,7 +196,8 @@ contains
          turns = abs(k%turning%speed(i))
          call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth'), turns)
          if (k%revolution_order(i) > 0) &
-            call carry(fields, field_type('revolution_order', '', '1', 'its revolution as a multiple of the fundamental'), &
+            call carry(fields, field_type('revolution_order', '', '1', 'its revolution (planet: against its carrier) over the &
+                                          &fundamental'), &
                        k%revolution_order(i))
       end associate
    end subroutine explain_body
@@ -310,6 +311,8 @@ contains
                                                    context%plain%meshes(i)%error_cos)
          if (is_given(plain%error_sin)) call carry(fields, field_type('error_sin', 'error_harmonic', 'm', words), &
                                                    context%plain%meshes(i)%error_sin)
+         if (abs(mesh%error_mean) > 0) call carry(fields, field_type('error_mean', '', 'm', 'as given; the mean forces of loops &
+            &follow from it'), context%plain%meshes(i)%error_mean)
          words = source(mesh%half_backlash, 'half of backlash cos(alpha_wt): along the line of action in the transverse plane; &
             &backlash is along the working pitch circles')
          if (.not. mesh%backlash > 0 .and. g%distance_backlash > 0) words = words//', by the centre distance'

@@ -5,6 +5,8 @@ module geartrain_report_explain_planetary
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text
+   use geartrain_network_load_sharing, only: mesh_load_factor
+   use geartrain_network_system, only: system_type
    use geartrain_train_labels, only: body_labels, label_length
    use geartrain_train_mesh, only: is_given
    use geartrain_train_planetary_sets, only: planetary_set_type, torsion_share
@@ -20,7 +22,10 @@ module geartrain_report_explain_planetary
 contains
 
    !> Makes the group of fields of a planetary set.
-   subroutine explain_set(train, set, turning, speed_name, fields)
+   subroutine explain_set(system, number, train, set, turning, speed_name, fields)
+      !> System of the train; number of the set.
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: number
       !> The train as given.
       type(train_type), intent(in) :: train
       !> One of its planetary sets.
@@ -48,7 +53,12 @@ contains
          call tell_turns('ring_turns', set%ring)
          call tell_turns('carrier_turns', set%carrier)
       end if
+      if (turning%determined) then
+         call tell_pass('sun', set%sun)
+         call tell_pass('ring', set%ring)
+      end if
       call tell_teeth(train, set, turning, speed_name, fields)
+      call tell_sharing(system, number, fields)
       if (allocated(set%sun_meshes)) call tell_phases('sun', set%sun_meshes)
       if (allocated(set%ring_meshes)) call tell_phases('ring', set%ring_meshes)
 
@@ -75,13 +85,29 @@ contains
             &z_s (n_s - n_c) + z_p (n_p - n_c) = 0, z_p (n_p - n_c) = z_r (n_r - n_c)'), turns)
       end subroutine tell_turns
 
+      !> Frequency at which planets pass a tooth of a member.
+      subroutine tell_pass(member, body)
+         character(*), intent(in) :: member
+         integer, intent(in) :: body
+         real(dp) :: passes
+
+         if (body == 0) return
+         passes = planets*abs(turning%speed(body) - turning%speed(set%carrier))
+         call carry(fields, field_type(member//'_planet_pass', '', '1', 'planets that pass a tooth of the '//member// &
+                                       ' per turn of '//speed_name//': N |n - n_c|'), passes)
+      end subroutine tell_pass
+
       !> Lags of the meshes of a kind, the class of the set by them, and what becomes of each harmonic.
       subroutine tell_phases(kind, meshes)
          character(*), intent(in) :: kind
          integer, intent(in) :: meshes(:)
          real(dp), allocatable :: lag(:), share(:)
+         integer, allocatable :: numbers(:)
          integer :: h
 
+         numbers = meshes
+         call carry(fields, field_type(kind//'_meshes', 'planet', '1', 'numbers of the meshes of the planets with the '//kind), &
+                    numbers)
          lag = train%meshes(meshes)%phase/(2*pi)
          call carry(fields, field_type(kind//'_phase', 'planet', '1', 'lag of each mesh of the '//kind//', as a share of the mesh &
             &cycle: '//trim(merge('z_s psi of a planet at psi turns from the first            ', &
@@ -98,6 +124,29 @@ contains
       end subroutine tell_phases
 
    end subroutine explain_set
+
+   !> How the planets share the load at rest.
+   subroutine tell_sharing(system, number, fields)
+      type(system_type), intent(in) :: system
+      integer, intent(in) :: number
+      class(fields_type), intent(inout) :: fields
+      real(dp), dimension(size(system%sharing%mesh)) :: share, peak
+      real(dp), allocatable :: own(:)
+      real(dp) :: factor
+      integer, allocatable :: element(:)
+
+      element = system%mesh_element(system%sharing%mesh)
+      associate (force => system%static_force(element)*system%stiffness(element)*system%characteristic_length)
+         call system%sharing%find_shares(force, abs(force), share, peak)
+      end associate
+      own = pack(share, system%sharing%set == number)
+      if (.not. all(abs(own) < huge(1.0_dp))) return
+      call carry(fields, field_type('load_share', 'planet', '1', 'static: force of each planet with the sun (ring, without a sun) &
+                                    &over their sum, by placement errors and unequal stiffnesses'), own)
+      factor = mesh_load_factor(own)
+      call carry(fields, field_type('mesh_load_factor', '', '1', 'K_gamma, static: largest load_share times the number of &
+                                    &planets'), factor)
+   end subroutine tell_sharing
 
    !> What the teeth tell: mesh frequency and assembly.
    subroutine tell_teeth(train, set, turning, speed_name, fields)

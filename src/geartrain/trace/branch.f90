@@ -5,6 +5,7 @@ module geartrain_trace_branch
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: arranging, fields_type, listing, reading, writing
    use geartrain_base_kinds, only: dp
+   use geartrain_flow_load_share_fields, only: about_planet, carry_shares
    use geartrain_flow_motion_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, &
       about_mesh, about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, &
       carry_loads, carry_torques, coefficient_axis, on_stability
@@ -78,9 +79,9 @@ module geartrain_trace_branch
 
    !> A branch of periodic motions; arrays over the points may be longer than `points`.
    type :: branch_type
-      !> Numbers of points, meshes, shafts, held bodies, multipliers of a point (of many states the leading ones; 0 where the period
-      !> is long) and harmonics in use; period of the motions in periods of the fundamental.
-      integer :: points = 0, meshes = 0, shafts = 0, held = 0, states = 0, harmonics = 0, subharmonic = 1
+      !> Numbers of points, meshes, shafts, held bodies, planets, multipliers of a point (of many states the leading ones; 0 where
+      !> the period is long) and harmonics in use; period of the motions in periods of the fundamental.
+      integer :: points = 0, meshes = 0, shafts = 0, held = 0, planets = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
       !> Harmonics of Lambda/subharmonic that `coefficients` has room for, ascending: 1 .. harmonics; where balances carry sets of
@@ -98,6 +99,9 @@ module geartrain_trace_branch
       !> Torque of each shaft, then of what holds each held body, over the period [N m], (shaft, then held body, point); NaN where
       !> nothing determines it. Allocated where asked for.
       real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
+      !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet, point); not
+      !> allocated: no planets.
+      real(dp), allocatable :: load_share(:, :), load_share_maximum(:, :)
       !> Half backlash over characteristic length, (mesh).
       real(dp), allocatable :: half_backlash(:)
       !> Of a branch over a parameter of the train, whose values are in `frequency_ratio` everywhere in this type: name of the
@@ -335,6 +339,10 @@ contains
          if (fields%has('reaction_torque_mean', branch%held > 0)) call fields%index_axis('held', branch%held, about_held)
          call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &
                             branch%shaft_torque_maximum)
+      end if
+      if (fields%has('load_share', allocated(branch%load_share))) then
+         call fields%index_axis('planet', branch%planets, about_planet)
+         call carry_shares(fields, branch%load_share, branch%load_share_maximum)
       end if
       call carry(fields, row('coefficients', 'point mesh coefficient', '1', about_coefficients, optional=none), &
                  branch%coefficients)

@@ -2,7 +2,7 @@
 module geartrain_trace_recorder
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_balance_balance, only: balance_type
-   use geartrain_balance_balanced_torque, only: find_shaft_torques
+   use geartrain_balance_balanced_torque, only: find_shaft_torques, mean_forces
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_balance_mesh_load, only: force_reader_type, load_resolution
    use geartrain_base_kinds, only: dp
@@ -81,6 +81,8 @@ contains
          if (whole .and. balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
       end if
       if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
+      branch%planets = size(balance%system%sharing%mesh)
+      if (branch%planets > 0) allocate (branch%load_share(0, 0))
       call arrange_points(branch, [integer ::], 16)
    end subroutine setup
 
@@ -156,6 +158,7 @@ contains
       if (self%shaft_torque) call find_shaft_torques(balance, self%transform, &
                                                      branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
                                                      branch%shaft_torque_maximum(:, n))
+      if (branch%planets > 0) call share_load(balance, n, branch)
       if (self%stability) then
          call system_clock(began, rate)
          if (branch%states == 0) then
@@ -181,6 +184,21 @@ contains
       end if
       branch%points = n
    end subroutine add
+
+   !> Sets the load shares of the planets at point n, whose mesh loads are set.
+   subroutine share_load(balance, n, branch)
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: n
+      type(branch_type), intent(inout) :: branch
+      real(dp) :: force(balance%system%elements)
+
+      call mean_forces(balance, force)
+      associate (system => balance%system, sharing => balance%system%sharing, element => balance%system%mesh_element)
+         force = system%stiffness*system%characteristic_length*force
+         call sharing%find_shares(force(element(sharing%mesh)), branch%mesh_load(sharing%mesh, n)%force_maximum, &
+                                  branch%load_share(:, n), branch%load_share_maximum(:, n))
+      end associate
+   end subroutine share_load
 
    !> The harmonic whose `fine_samples` show the extremes of all meshes.
    pure integer function resolution_of(balance, coefficients)

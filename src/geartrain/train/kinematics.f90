@@ -8,6 +8,7 @@ module geartrain_train_kinematics
    use geartrain_base_kinds, only: dp
    use geartrain_train_bodies, only: body_count, find_carriers, find_ends
    use geartrain_train_mesh, only: is_given
+   use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
    use geartrain_train_train, only: train_type
    use geartrain_train_turning, only: find_turning, turning_type
    implicit none (type, external)
@@ -27,7 +28,7 @@ module geartrain_train_kinematics
       integer(int64), allocatable :: rate(:, :)
       integer(int64) :: fundamental(2) = [1_int64, 1_int64]
       !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); revolution_order is 0 where the
-      !> body has no torque of its own revolution.
+      !> body has no torque of its own revolution. A planet revolves against its carrier: so its teeth and its bearing pass.
       integer, allocatable :: order(:), revolution_order(:)
       !> Number of the body whose revolutions are the speed, 0: no body has the name; its turns per period of the fundamental [1].
       integer :: speed_body = 1
@@ -58,9 +59,11 @@ contains
       !> Speeds and orders.
       type(kinematics_type), intent(out) :: found
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
-      integer :: carrier(size(train%meshes)), i
+      integer :: carrier(size(train%meshes)), i, j
       !> Mesh frequencies, and revolutions of bodies with a torque of their own, per turn of the speed, (2, mesh or body).
-      integer(int64) :: engaging(2, size(train%meshes)), signed(2, body_count(train))
+      integer(int64) :: engaging(2, size(train%meshes)), signed(2, body_count(train)), &
+         revolving(2, body_count(train))
+      type(planetary_set_type), allocatable :: sets(:)
       !> The fundamental.
       integer(int64) :: divisor, common
 
@@ -84,6 +87,15 @@ contains
          engaging(1, i) = abs(engaging(1, i))
       end do
       found%rate = abs(signed)
+      revolving = found%rate
+      call find_sets(train, sets)
+      do j = 1, size(sets)
+         do i = 1, size(sets(j)%planets)
+            associate (planet => sets(j)%planets(i))
+               revolving(:, planet) = abs(difference(signed(:, planet), signed(:, sets(j)%carrier)))
+            end associate
+         end do
+      end do
       if (any(engaging(1, :) == 0) .or. any(engaging > most)) return
       divisor = 0
       common = 1
@@ -91,7 +103,7 @@ contains
          call include(engaging(:, i), divisor, common)
       end do
       do i = 1, size(signed, 2)
-         if (turns(train, i)) call include(found%rate(:, i), divisor, common)
+         if (turns(train, i)) call include(revolving(:, i), divisor, common)
       end do
       if (common > most) return
       do i = 1, size(engaging, 2)
@@ -100,8 +112,8 @@ contains
       end do
       do i = 1, size(signed, 2)
          if (.not. turns(train, i)) cycle
-         if (multiple(found%rate(:, i)) > most) return
-         found%revolution_order(i) = int(multiple(found%rate(:, i)))
+         if (multiple(revolving(:, i)) > most) return
+         found%revolution_order(i) = int(multiple(revolving(:, i)))
       end do
       found%fundamental = [divisor, common]
       found%speed_ratio = real(common, dp)/real(divisor, dp)

@@ -52,6 +52,8 @@ module geartrain_train_mesh
       real(dp) :: phase = 0
       !> Harmonics 1.. of the static transmission error [m], equation (7b), which adds to the mesh displacement.
       real(dp), allocatable :: error_cos(:), error_sin(:)
+      !> Constant part of the transmission error [m], by placement of axes and thickness of teeth.
+      real(dp) :: error_mean = 0
       !> Mesh frequency as a multiple of the fundamental, m_n [1]; 0: by the teeth where every mesh has them, else 1.
       integer :: order = 0
       !> From the drawing, see geartrain_drawing_gear_pair: numbers of teeth, (2); normal module [m]; normal pressure angle and

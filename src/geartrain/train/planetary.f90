@@ -23,6 +23,9 @@ module geartrain_train_planetary
       !> shifts of sun, planet and ring [1], (3), centre distance [m], tip diameters [m], (3), dedendum of the rack [1].
       real(dp) :: normal_module = 0, pressure_angle = 20, helix_angle = 0, face_width = 0, centre_distance = 0, dedendum = 1.25_dp
       real(dp), allocatable :: profile_shift(:), tip_diameter(:)
+      !> Errors of the places of the planets along the lines of action of both their meshes, positive against the force of the
+      !> driving member, (planet) [m].
+      real(dp), allocatable :: planet_errors(:)
       !> Of a planet: inertia [kg m^2] and mass [kg], negative: by the drawing; bore [m] and density [kg/m^3] of the disc.
       real(dp) :: planet_inertia = -1, planet_mass = -1, planet_bore = 0, density = 7850
       !> Of sun meshes and ring meshes, one value for both, (1 or 2): circumferential backlash [m], half of the backlash along the

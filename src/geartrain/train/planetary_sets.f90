@@ -36,7 +36,7 @@ module geartrain_train_planetary_sets
 contains
 
    !> Finds the planetary sets of at least two planets.
-   subroutine find_sets(train, sets)
+   pure subroutine find_sets(train, sets)
       !> A plain train that has passed `check_train`.
       type(train_type), intent(in) :: train
       !> The sets, in the order of their first meshes.
@@ -68,7 +68,7 @@ contains
    end subroutine find_sets
 
    !> Takes the meshes of a group into a set, in the order of its planets.
-   subroutine take(group, set)
+   pure subroutine take(group, set)
       type(group_type), intent(in) :: group
       type(planetary_set_type), intent(inout) :: set
       integer, allocatable :: meshes(:)
@@ -90,7 +90,7 @@ contains
    end subroutine take
 
    !> Finds meshes of equal numbers on one carrier with a common gear.
-   subroutine find_groups(train, groups)
+   pure subroutine find_groups(train, groups)
       type(train_type), intent(in) :: train
       type(group_type), allocatable, intent(out) :: groups(:)
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
@@ -129,7 +129,7 @@ contains
    contains
 
       !> Whether a mesh has the gears of mesh m.
-      logical function alike(j)
+      pure logical function alike(j)
          integer, intent(in) :: j
 
          associate (one => train%meshes(m), other => train%meshes(j))
@@ -142,29 +142,27 @@ contains
    end subroutine find_groups
 
    !> Sets the name of a set: what the names of its meshes begin with, 'stage 1 sun 2'.
-   subroutine find_name(train, number, set)
+   pure subroutine find_name(train, number, set)
       type(train_type), intent(in) :: train
       !> Number of the set.
       integer, intent(in) :: number
       type(planetary_set_type), intent(inout) :: set
 
       set%name = 'planetary '//integer_text(number)
-      if (allocated(set%sun_meshes)) call read_name(' sun 1', set%sun_meshes(1))
-      if (allocated(set%ring_meshes)) call read_name(' ring 1', set%ring_meshes(1))
-
-   contains
-
-      subroutine read_name(ending, mesh)
-         character(*), intent(in) :: ending
-         integer, intent(in) :: mesh
-
-         associate (name => train%meshes(mesh)%name)
-            if (len_trim(name) <= len(ending)) return
-            if (name(len_trim(name) - len(ending) + 1:) == ending) set%name = name(:len_trim(name) - len(ending))
-         end associate
-      end subroutine read_name
-
+      if (allocated(set%sun_meshes)) call read_name(train%meshes(set%sun_meshes(1))%name, ' sun 1', set%name)
+      if (allocated(set%ring_meshes)) call read_name(train%meshes(set%ring_meshes(1))%name, ' ring 1', set%name)
    end subroutine find_name
+
+   !> Takes the name of a set from the name of its first mesh.
+   pure subroutine read_name(mesh, ending, name)
+      !> Name of the mesh; ending of the name of a mesh that was expanded.
+      character(*), intent(in) :: mesh, ending
+      !> Name of the set; left as it is where the mesh has another name.
+      character(*), intent(inout) :: name
+
+      if (len_trim(mesh) <= len(ending)) return
+      if (mesh(len_trim(mesh) - len(ending) + 1:) == ending) name = mesh(:len_trim(mesh) - len(ending))
+   end subroutine read_name
 
    !> Share of a harmonic that reaches the torsion of the common gear [1]: |sum over the planets of exp(i h phase)|/planets, where
    !> all planets have equal amplitudes. 1: the forces of all planets add up; 0: they cancel.

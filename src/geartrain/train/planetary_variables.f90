@@ -93,6 +93,9 @@ contains
       call v%on_real(row('planet_mass', 'kg', 'mass of a planet; at the centre distance the masses of all planets add to the &
                          &inertia of the carrier. Default: of the disc; 0 without face_width', least=zero), set%planet_mass, given)
       call v%on_real(row('planet_bore', 'm', 'bore of the planets', least=zero), set%planet_bore)
+      call v%on_list(row('planet_errors', 'm', 'errors of the places of the planets along the line of action, a value a planet: &
+                         &the error_mean of both its meshes. Positive: against the push of the driving member; the planet bears &
+                         &more'), set%planet_errors)
       call v%on_real(row('density', 'kg/m^3', 'density of the planets', above=zero), set%density)
    end subroutine visit_planets
 

@@ -112,7 +112,7 @@ contains
                          body%torque_cos)
       call v%on_list(row('torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%torque_sin)
       call v%on_list(row('revolution_torque_cos', 'N m', 'cosine amplitudes of the torque on the body, orders 1, 2, ... of its &
-                         &revolution; every mesh must have teeth'), body%revolution_torque_cos)
+                         &revolution, of a planet against its carrier; every mesh must have teeth'), body%revolution_torque_cos)
       call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%revolution_torque_sin)
       call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of the vibration of the body against the ground; give a mean &
                          &drag as torque', least=zero), body%damping_to_ground)
@@ -239,6 +239,9 @@ contains
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
                          &the mesh displacement; its sign and phase against the stiffness matter'), mesh%error_cos)
       call v%on_list(row('error_sin', 'm', 'sine amplitudes, harmonics 1, 2, ...'), mesh%error_sin)
+      call v%on_real(row('error_mean', 'm', 'constant part of the transmission error, of placement and tooth thickness; positive: &
+                         &towards contact of the drive flanks. It matters in loops of gears alone, as between planets'), &
+                     mesh%error_mean)
       call v%on_integer(row('order', '', 'mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh &
                             &has them, else 1', least=one, most=most_order*one, automatic=zero), mesh%order)
       call v%leave()
