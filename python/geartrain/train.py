@@ -18,8 +18,8 @@ from ._core.units import Unit, lambda_of, units_of
 from ._core.variable import takes
 from ._core.watch import quiet, watched
 from .errors import InputError, SolverError, shown
-from .planetary_picture import draw_stage
 from .plots.draw import new_axes
+from .plots.planetary_picture import draw_stage
 from .plots.schematic import draw_schematic, figure_size
 from .results.attractors import Attractors
 from .results.basins import Basins

@@ -9,7 +9,7 @@ from planetary_trains import FREQUENCY, RING_MESH, SUN_MESH, TEETH, planetary, r
 from test_carriers import close, same_motion, shot
 
 import geartrain as gt
-from geartrain.planetary_picture import planet_angles
+from geartrain.plots.planetary_picture import planet_angles
 
 LINEAR = {"stiffness_cos": None, "stiffness_sin": None}
 
@@ -234,7 +234,8 @@ def test_picture_of_load_sharing(branch):
 def test_trains_without_planets_have_no_shares():
     pinion = gt.Body(name="pinion", inertia=2e-3, torque=100.0)
     wheel = gt.Body(name="wheel", inertia=9e-3, balances=True)
-    train = train_of([pinion, wheel], [gt.Mesh(between=("pinion", "wheel"), driving_radius=0.04, driven_radius=0.07, stiffness=4e8)])
+    train = train_of([pinion, wheel], [gt.Mesh(between=("pinion", "wheel"), driving_radius=0.04, driven_radius=0.07,
+                                               stiffness=4e8)])
     branch = train.response(start=0.8, stop=0.82, harmonics=2)
     assert branch.load_share is None and branch.at(0.81)[0].load_share is None
 

@@ -14,8 +14,8 @@ from .._core.description import Description
 from .._core.text_table import text_table
 from .._core.units import Unit, own_lambda, speed_of, units_of
 from ..errors import InputError, shown
-from ..planetary_picture import stages_of
 from ..plots.draw import COLORS, DASHES, draws, new_axes, put_legend
+from ..plots.planetary_picture import stages_of
 from .excitation import Resonances, excitations
 
 if TYPE_CHECKING:

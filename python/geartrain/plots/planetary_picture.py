@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core.description import Description
-from .errors import InputError, shown
-from .plots.draw import COLORS
+from .._core.description import Description
+from ..errors import InputError, shown
+from .draw import COLORS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
