@@ -37,8 +37,11 @@ module geartrain_trace_probed_changes
       real(dp), allocatable :: at(:)
       !> Multipliers there, (state, place).
       complex(dp), allocatable :: multipliers(:, :)
+      !> They are those of the cubic through the ends of the step, not of a solution.
+      logical, allocatable :: rough(:)
    contains
       procedure :: insert
+      procedure :: drop
    end type places_type
 
 contains
@@ -75,8 +78,8 @@ contains
       piece = piece_type(here, next, arc_length(here, next, corrector%units), branch%arclength(before))
       ! Of a train of many states multipliers that are all inside the circle may be rough.
       if (monodromy%is_partial() .and. max(abs(first(1)), abs(last(1))) > 1) then
-         if (abs(first(1)) < 1) call find_at(0.0_dp, first)
-         if (abs(last(1)) < 1) call find_at(piece%length, last)
+         if (abs(first(1)) < 1) call find_at(0.0_dp, first, success)
+         if (abs(last(1)) < 1) call find_at(piece%length, last, success)
       end if
       probes = 0
       ! Where teeth stay in contact the motion hardly changes over a range in which a mode or two resonate with the mesh stiffness.
@@ -86,11 +89,12 @@ contains
                       int(abs(next%frequency_ratio - here%frequency_ratio)/(spacing*corrector%units%frequency_ratio)))
       probes = min(probes, most_probes)
       allocate (places%at(most_probes + most_looks + 2), places%multipliers(branch%states, most_probes + most_looks + 2))
+      allocate (places%rough(most_probes + most_looks + 2), source=.false.)
       call places%insert(0.0_dp, first)
       call places%insert(piece%length, last)
       do i = 1, probes
          s = i*piece%length/(probes + 1)
-         ! The motion on the cubic is near enough to see whether they count otherwise.
+         ! The motion on the cubic is near enough where they count as at the places beside.
          solution = here
          call go_along(here, next, s/piece%length, corrector%units, solution)
          call corrector%find_distance(solution, distance)
@@ -98,12 +102,9 @@ contains
          call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
          call monodromy%multipliers(multipliers)
          if (.not. are_numbers(multipliers)) cycle
-         if (differ(places%multipliers(:, places%taken - 1), multipliers)) then
-            call find_multipliers(corrector, monodromy, piece, s, s, s, solution, multipliers, success)
-            if (.not. success) cycle
-         end if
-         call places%insert(s, multipliers)
+         call places%insert(s, multipliers, .true.)
       end do
+      call solve_beside_changes()
       if (places%taken > 2) then
          call look_between(corrector, monodromy, piece, doubling, places)
          call look_between(corrector, monodromy, piece, neimark_sacker, places)
@@ -117,6 +118,7 @@ contains
                hidden = hidden .or. any(side(:places%taken) /= side(1))
          end associate
       end if
+      call solve_beside_changes()
       do i = 1, places%taken - 1
          associate (at => places%at, known => places%multipliers)
             if (differ(known(:, i), known(:, i + 1))) &
@@ -128,37 +130,78 @@ contains
 
    contains
 
-      !> Multipliers to their digits at an end of the step; as they are where Newton's method fails.
-      subroutine find_at(at, multipliers)
+      !> Multipliers to their digits at a place of the step; as they are where Newton's method fails.
+      subroutine find_at(at, multipliers, success)
          real(dp), intent(in) :: at
          complex(dp), intent(inout) :: multipliers(:)
+         logical, intent(out) :: success
          complex(dp) :: found(size(multipliers))
          real(dp) :: place
 
          place = at
          call find_multipliers(corrector, monodromy, piece, at, at, place, solution, found, success)
-         if (.not. success) return
-         if (are_numbers(found)) multipliers = found
+         if (success) success = are_numbers(found)
+         if (success) multipliers = found
       end subroutine find_at
+
+      !> Solves at the rough places beside a change, which else may lie on the other side of such a place. Places without a solution
+      !> are dropped.
+      subroutine solve_beside_changes()
+         integer :: k
+
+         k = 2
+         do while (k < places%taken)
+            associate (known => places%multipliers)
+               if (.not. places%rough(k)) then
+                  k = k + 1
+               else if (.not. (differ(known(:, k - 1), known(:, k)) .or. differ(known(:, k), known(:, k + 1)))) then
+                  k = k + 1
+               else
+                  call find_at(places%at(k), known(:, k), success)
+                  places%rough(k) = .false.
+                  if (.not. success) call places%drop(k)
+                  ! The place before may now be beside a change.
+                  k = max(2, k - 1)
+               end if
+            end associate
+         end do
+      end subroutine solve_beside_changes
 
    end subroutine add_stability_changes
 
    !> Adds a place.
-   pure subroutine insert(self, at, multipliers)
+   pure subroutine insert(self, at, multipliers, rough)
       class(places_type), intent(inout) :: self
       !> Distance from the beginning of the step [1].
       real(dp), intent(in) :: at
       !> Multipliers there, (state).
       complex(dp), intent(in) :: multipliers(:)
+      !> They are those of the cubic; absent: of a solution.
+      logical, intent(in), optional :: rough
       integer :: n
 
       n = count(self%at(:self%taken) < at)
       self%at(n + 2:self%taken + 1) = self%at(n + 1:self%taken)
       self%multipliers(:, n + 2:self%taken + 1) = self%multipliers(:, n + 1:self%taken)
+      self%rough(n + 2:self%taken + 1) = self%rough(n + 1:self%taken)
       self%at(n + 1) = at
       self%multipliers(:, n + 1) = multipliers
+      self%rough(n + 1) = .false.
+      if (present(rough)) self%rough(n + 1) = rough
       self%taken = self%taken + 1
    end subroutine insert
+
+   !> Removes a place.
+   pure subroutine drop(self, n)
+      class(places_type), intent(inout) :: self
+      !> Its number.
+      integer, intent(in) :: n
+
+      self%at(n:self%taken - 1) = self%at(n + 1:self%taken)
+      self%multipliers(:, n:self%taken - 1) = self%multipliers(:, n + 1:self%taken)
+      self%rough(n:self%taken - 1) = self%rough(n + 1:self%taken)
+      self%taken = self%taken - 1
+   end subroutine drop
 
    !> Adds a place at which multipliers of a kind have crossed the circle, if there is one between places at all of which as many
    !> are outside.
