@@ -30,7 +30,7 @@ module geartrain_model_kinematics
       !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); revolution_order is 0 where the
       !> body has no torque of its own revolution.
       integer, allocatable :: order(:), revolution_order(:)
-      !> The mesh frequencies are not quite those of the teeth, so that they have a fundamental of fewer cycles: order of each mesh by
+      !> The mesh frequencies are not quite those of the teeth, so that their period has fewer cycles: order of each mesh by
       !> the teeth, (mesh), and largest relative error of a frequency [1]; not allocated and 0 where they are exact.
       integer, allocatable :: exact_order(:)
       real(dp) :: order_error = 0

@@ -1,6 +1,6 @@
-!> Orders of a nearby train whose meshes repeat themselves together after fewer cycles. Three stages of hunting teeth repeat themselves
-!> after hundreds of thousands of cycles, which nothing in their motion shows: mesh frequencies that differ by a few millionths give
-!> the same motion, after some thousand cycles.
+!> Orders of a nearby train whose meshes repeat themselves together after fewer cycles. Three stages of hunting teeth repeat
+!> themselves after hundreds of thousands of cycles, which nothing in their motion shows: mesh frequencies that differ by a few
+!> millionths give the same motion, after some thousand cycles.
 module geartrain_model_nearby_orders
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
