@@ -100,7 +100,7 @@ contains
       fastest = maxloc(found%order, 1)
       call add_warning(warnings, 'mesh', fastest, 'by the teeth all meshes together repeat themselves after '// &
                        integer_text(found%exact_order(fastest))//' cycles of this mesh; the mesh frequencies are taken '// &
-                       real_text(found%order_error)//' off at most (relative), by which they repeat themselves after '// &
+                       short(found%order_error)//' off at most (relative), by which they repeat themselves after '// &
                        integer_text(found%order(fastest)))
    end subroutine warn_of_nearby_orders
 
