@@ -19,7 +19,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "test" / "python"))
 
-from gearboxes import REFERENCE_TURBINE, TRANSAXLE, TRUCK, WIND_TURBINE  # noqa: E402
+from gearboxes import PLANETARY_TURBINE, REFERENCE_TURBINE, TRANSAXLE, TRUCK, WIND_TURBINE  # noqa: E402
 
 PATIENCE, REPEATS = 600, 3
 OWN = ROOT / "build" / "release" / "geartrain"
@@ -34,6 +34,8 @@ CASES = {
         REDUCER + "&response from = 200.0, to = 4000.0, unit = 'rpm', harmonics = 0, tolerance = 1e-3 /\n",
     "truck with idle gears, integration at three speeds":
         TRUCK + "&integration from = 800.0, to = 1600.0, points = 3, unit = 'rpm' /\n",
+    "wind turbine with its planetary stage, response from 1100 to 1900 rpm, tolerance 1e-3, with verdicts":
+        PLANETARY_TURBINE + "&response from = 1100.0, to = 1900.0, unit = 'rpm', harmonics = 0, tolerance = 1e-3 /\n",
     "NREL 5 MW reference gearbox, response from 900 to 1100 rpm, tolerance 1e-3, with verdicts":
         REFERENCE_TURBINE + "&response from = 900.0, to = 1100.0, unit = 'rpm', harmonics = 0, tolerance = 1e-3 /\n",
     "transaxle in reverse, response from 700 to 5500 rpm, tolerance 1e-3, with verdicts":

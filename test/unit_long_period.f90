@@ -7,6 +7,7 @@ module unit_long_period
    use geartrain_balance_products, only: sparse_product, toeplitz
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
+   use geartrain_network_nearby_orders, only: find_nearby_orders
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_mesh, only: mesh_type, put_law
    use testing, only: tests_type
@@ -23,7 +24,28 @@ contains
       if (tests%runs('few_harmonics')) call few_harmonics(tests)
       if (tests%runs('no_multipliers')) call no_multipliers(tests)
       if (tests%runs('teeth_part')) call teeth_part(tests)
+      if (tests%runs('nearby_orders')) call nearby_orders(tests)
    end subroutine long_period_tests
+
+   !> A turbine's orders of 288,640 cycles, with nearby orders by a search written apart; orders that are low enough, which stay;
+   !> orders of a simple ratio, which keep the ratio; orders without a neighbour of the allowed error.
+   subroutine nearby_orders(tests)
+      class(tests_type), intent(inout) :: tests
+      integer :: nearby(3), four(4)
+      real(dp) :: scale, error
+
+      call find_nearby_orders([15939, 75440, 288640], nearby, scale, error)
+      call tests%is_true(all(nearby == [266, 1259, 4817]), 'nearby orders')
+      call tests%is_close(error, 4.513e-6_dp, 1e-9_dp, 'error')
+      call tests%is_close(maxval(abs(nearby/(scale*[15939, 75440, 288640]) - 1)), error, 1e-12_dp, 'of the frequencies')
+      call find_nearby_orders([345, 1886, 7216], nearby, scale, error)
+      call tests%is_true(all(nearby == [345, 1886, 7216]) .and. .not. abs(error) > 0, 'low orders')
+      call tests%is_close(scale, 1.0_dp, 0.0_dp, 'scale of low orders')
+      call find_nearby_orders([10160, 5080, 2921, 1748], four, scale, error)
+      call tests%is_true(four(1) == 2*four(2) .and. four(1) < 10000 .and. error > 0, 'a simple ratio')
+      call find_nearby_orders([659227, 124013, 19703, 9367], four, scale, error)
+      call tests%is_true(all(four == [659227, 124013, 19703, 9367]) .and. .not. abs(error) > 0, 'no neighbour')
+   end subroutine nearby_orders
 
    !> A cycle repeated 5000 times has 20,000 events, found from samples alone, and spectra by FFT: those of the cycle, found by
    !> Newton's method and sums over the events, at every 5000th harmonic, and 0 elsewhere. With eight samples in a period of the

@@ -104,6 +104,9 @@ TRANSAXLE = """
 &shaft between = 'ring', 'vehicle', stiffness = 9000.0, damping_ratio = 0.02 /
 """
 
+#: The turbine of ``namelists/wind_turbine.nml`` with its planetary stage, without analyses.
+PLANETARY_TURBINE = (Path(__file__).resolve().parents[2] / "namelists" / "wind_turbine.nml").read_text().split("&modes")[0]
+
 
 def train_of(text):
     """The train of a case."""

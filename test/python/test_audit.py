@@ -12,7 +12,8 @@ from paper_cases import CHANGES, case_texts, paper_case
 pytestmark = pytest.mark.full
 
 TEXTS = {path.stem: path.read_text() for path in (ROOT / "namelists").glob("*.nml")} | case_texts()
-CASES = sorted(name for name, text in TEXTS.items() if "&response" in text)
+# An audit shoots over whole periods: none of the thousands of cycles of hunting teeth.
+CASES = sorted(name for name, text in TEXTS.items() if "&response" in text and name != "wind_turbine")
 # Those with grazing contacts next to changes of stability: a verdict that looks decided is wrong here first.
 GRAZING = ["fig07_042", "fig08_rectangular", "fig09_001"]
 # Cases that differ from figure 3 by a number: those that graze are audited by day.

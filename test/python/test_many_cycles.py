@@ -1,8 +1,11 @@
-"""Drawings whose teeth make the common period of all meshes very long: what computes with whole periods refuses them, time
-integration does not."""
+"""Drawings whose teeth make the common period of all meshes very long: mesh frequencies are taken nearby, with a shorter period.
+Where there are none near enough, what computes with whole periods refuses them, time integration does not."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import ROOT
 
 import geartrain as gt
 
@@ -27,18 +30,44 @@ def train():
     return stages((23, 101), (19, 107), (17, 61))
 
 
-def test_the_drawing_is_read(train):
+@pytest.fixture(scope="module")
+def given():
+    """Figure 3's train with orders that are given, not derived from teeth."""
+    train = gt.read_case(ROOT / "namelists" / "fig03.nml").train
+    meshes = [replace(mesh, order=order) for mesh, order in zip(train.meshes, (10807, 2033), strict=True)]
+    return replace(train, meshes=meshes)
+
+
+def orders(train):
     told = train.explain()
-    assert [told[f"mesh {number}"]["order"] for number in (1, 2, 3)] == [101 * 107, 19 * 107, 19 * 17]
+    return np.array([told[f"mesh {number}"]["order"] for number in range(1, len(train.meshes) + 1)])
+
+
+def test_the_drawing_is_read(train):
+    exact, nearby = np.array([101 * 107, 19 * 107, 19 * 17]), orders(train)
+    ratio = nearby / exact
+    assert nearby.max() <= 10000 and ratio.max() / ratio.min() - 1 < 2e-5
+    told = train.explain()
+    # Cycles of the first mesh in a turn of its pinion.
+    assert np.isclose(nearby[0] / told["train"]["speed_ratio"], 23, rtol=1e-5)
+    assert "by mesh frequencies within 3.3" in told["train"]["fundamental"]
     assert (np.array(train.natural_frequencies(unit="rpm")) > 0).all()
 
 
-def test_what_needs_the_common_period_says_so(train):
+def test_equal_and_simple_ratios_are_kept():
+    """Two stages of equal teeth ahead of one another: mesh frequencies in the ratio 1 to 2 before a hunting pair stay so."""
+    found = orders(stages((20, 40), (20, 40), (23, 127), (19, 107)))
+    exact = np.array([4.0, 2.0, 23 / 20, 19 * 23 / 127 / 20])
+    assert found[0] == 2 * found[1] and found[0] < 80 * 127
+    np.testing.assert_allclose(found / found[0], exact / exact[0], rtol=2e-5)
+
+
+def test_what_needs_the_common_period_says_so(given):
     words = "repeat themselves after 10807 cycles of mesh 1, .* more than 10000 .* integrate in time"
     with pytest.raises(gt.InputError, match=words):
-        train.response(start=1000.0, stop=1100.0, unit="rpm", harmonics=0)
+        given.response(start=1e-4, stop=2e-4, harmonics=0)
     with pytest.raises(gt.InputError, match=words):
-        train.stability_map(start=1000.0, stop=1100.0, unit="rpm", parameter="mesh_damping_ratio", parameter_start=0.01,
+        given.stability_map(start=1e-4, stop=2e-4, parameter="mesh_damping_ratio", parameter_start=0.01,
                             parameter_stop=0.05)
 
 

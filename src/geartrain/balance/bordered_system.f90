@@ -6,6 +6,7 @@
 module geartrain_balance_bordered_system
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_equal_system, only: equal_system_type
    use geartrain_balance_fixed_space, only: fixed_space_type
    use geartrain_balance_linear_flow, only: linear_flow_type, suits
    use geartrain_base_kinds, only: dp
@@ -32,8 +33,11 @@ module geartrain_balance_bordered_system
       logical :: oriented_in_time = .false.
       !> Iterations of GMRES in the latest `solve`; 0 by elimination.
       integer :: iterations = 0
-      !> Matrix of the explicit harmonics.
+      !> Equal branches move equally, and `orientation` is the sign of the determinant in the space of such motions.
+      logical :: equal = .false.
+      !> Matrix of the explicit harmonics; in the coefficients of one of the branches that move equally.
       type(bordered_type), private :: lowest
+      type(equal_system_type), private :: reduced
       !> Factors of each harmonic that is not explicit, (entries of the graph, harmonic).
       complex(dp), allocatable, private :: factors(:, :)
       !> The linearised train in time, which takes the place of `lowest` and `factors` for sets of many harmonics.
@@ -57,6 +61,8 @@ module geartrain_balance_bordered_system
       procedure :: solves_in_time
       procedure :: solve_tail
       procedure, private :: factor_again
+      procedure, private :: factor_now
+      procedure, private :: solve_lowest
       procedure, private :: least_accuracy
       procedure, private :: factor_tail
       procedure, private :: precondition
@@ -109,11 +115,26 @@ contains
    end function difference_signs
 
    !> Factors the matrix with its border; `linearize` must have been called since the last `factor`, which overwrites it.
-   subroutine factor(self, balance, regular)
+   subroutine factor(self, balance, regular, fixed)
       class(bordered_system_type), intent(inout) :: self
       !> Balance as at `linearize`.
       type(balance_type), intent(in) :: balance
       !> Whether the matrix of the explicit harmonics is regular; false also after an interrupt.
+      logical, intent(out) :: regular
+      !> Space of the right sides and of the solutions: only in it `solve` solves then.
+      type(fixed_space_type), intent(in), optional :: fixed
+
+      self%equal = .false.
+      if (present(fixed)) self%equal = fixed%joins() .and. .not. self%flows
+      if (self%equal) call self%reduced%setup(fixed, balance%system%cut%graph)
+      call self%factor_now(balance, regular)
+   end subroutine factor
+
+   !> Factors the matrix as `equal` states.
+   subroutine factor_now(self, balance, regular)
+      class(bordered_system_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      !> See `factor`.
       logical, intent(out) :: regular
       integer :: info
 
@@ -125,15 +146,33 @@ contains
          return
       end if
       associate (n => self%lowest%block)
-         self%lowest%column = self%column(:n, :)
-         self%lowest%row = self%row(:n, :)
+         if (self%equal) then
+            call self%reduced%factor(self%lowest, self%column(:n, :), self%row(:n, :), self%corner, info)
+            self%orientation = self%reduced%orientation()
+         else
+            self%lowest%column = self%column(:n, :)
+            self%lowest%row = self%row(:n, :)
+            self%lowest%corner = self%corner
+            call self%lowest%factor(info)
+            self%orientation = self%lowest%orientation
+         end if
       end associate
-      self%lowest%corner = self%corner
-      call self%lowest%factor(info)
       regular = info == 0
-      self%orientation = self%lowest%orientation
       if (regular .and. .not. balance%is_direct()) call self%factor_tail(balance)
-   end subroutine factor
+   end subroutine factor_now
+
+   !> Solves for the explicit harmonics, in place.
+   subroutine solve_lowest(self, x, y)
+      class(bordered_system_type), intent(inout) :: self
+      !> Right-hand side, afterwards the solution, (explicit block, unknown), and its entry in the border row.
+      real(dp), intent(inout) :: x(:, :), y
+
+      if (self%equal) then
+         call self%reduced%solve(x, y)
+      else
+         call self%lowest%solve(x, y)
+      end if
+   end subroutine solve_lowest
 
    !> Solves in place.
    subroutine solve(self, balance, x, y, accuracy)
@@ -163,7 +202,7 @@ contains
          call self%factor_again(balance, regular)
       end do
       if (regular) then
-         call self%lowest%solve(x, y)
+         call self%solve_lowest(x, y)
       else
          y = ieee_value(y, ieee_quiet_nan)
          x = y
@@ -225,7 +264,7 @@ contains
       call balance%jacobian(self%lowest)
       held = self%orientation
       held_in_time = self%oriented_in_time
-      call self%factor(balance, regular)
+      call self%factor_now(balance, regular)
       if (self%suits_flow) self%orientation = held
       if (self%suits_flow) self%oriented_in_time = held_in_time
    end subroutine factor_again
@@ -283,7 +322,7 @@ contains
          call self%flow%solve(balance, self%column, self%row, x, y)
          return
       end if
-      call self%lowest%solve(x(:self%lowest%block, :), y)
+      call self%solve_lowest(x(:self%lowest%block, :), y)
       do m = 1, size(self%factors, 2)
          k = balance%explicit + m
          p = cmplx(x(2*k, :) - y*self%column(2*k, :), -x(2*k + 1, :) + y*self%column(2*k + 1, :), dp)

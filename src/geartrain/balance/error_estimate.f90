@@ -7,7 +7,7 @@ module geartrain_balance_error_estimate
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
-   use geartrain_linalg_trigonometric, only: evaluate, sample, transform_length
+   use geartrain_linalg_trigonometric, only: evaluate, fine_samples, sample, transform_length
    use geartrain_mesh_law_spectra, only: spectra_type
    use geartrain_network_receptance, only: find_receptance, linear_displacements, receptance_type
    implicit none (type, external)
@@ -24,6 +24,9 @@ module geartrain_balance_error_estimate
    !> Relative accuracy of iterative solutions for the estimate [1]; least amplitude of a mesh to which its error is relative, over
    !> that of all meshes [1].
    real(dp), parameter :: accuracy = 1e-3_dp, least_share = 1e-6_dp
+
+   !> Terms of a sum for each sample of an FFT up to which a product of spectra is found by sums [1].
+   real(dp), parameter :: sums_for_sample = 60
 
    type :: error_estimate_type
       !> Ranges of natural frequencies of the train in contact over characteristic frequency [1], the lowest and the highest one of
@@ -56,6 +59,7 @@ module geartrain_balance_error_estimate
       type(transform_type), private :: wide
    contains
       procedure :: waveform_error
+      procedure :: sample_error
       procedure, private :: reserve
    end type error_estimate_type
 
@@ -83,8 +87,8 @@ contains
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale, own
       complex(dp), allocatable :: force(:, :)
       integer :: i, reach
-      !> Harmonics left out may excite linear meshes.
-      logical :: condensed
+      !> Harmonics left out may excite linear meshes; products are sums, not found by FFT.
+      logical :: condensed, direct
 
       estimate%relative = 0
       estimate%limited = 0
@@ -113,16 +117,18 @@ contains
          do i = 1, balance%unknowns
             call balance%contact(i)%extend(estimate%spectra(i), reach)
          end do
+         direct = balance%is_direct() .and. real(n, dp)*size(balance%harmonic) < sums_for_sample*reach
          ! Room for the product of the spectra with the motion or the tail without aliases.
-         if (.not. balance%is_direct()) call estimate%wide%plan(transform_length(2*reach + 1))
-         call find_forces(balance, u, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail)
+         if (.not. direct) call estimate%wide%plan(transform_length(2*reach + 1))
+         call find_forces(balance, u, frequency_ratio, harmonic(:n), reach, estimate%spectra, direct, estimate%wide, tail)
          condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
          if (condensed) force = tail
          call find_tail(balance, frequency_ratio, harmonic(:n), .not. matrix%solves_in_time(), tail)
          if (matrix%solves_in_time()) then
             call matrix%solve_tail(balance, harmonic(:n), tail, correction, y)
          else
-            call find_shift(balance, frequency_ratio, harmonic(:n), reach, estimate%spectra, estimate%wide, tail, correction)
+            call find_shift(balance, frequency_ratio, harmonic(:n), reach, estimate%spectra, direct, estimate%wide, tail, &
+                            correction)
             if (present(residual)) correction = correction - residual
             y = 0
             call matrix%solve(balance, correction, y, accuracy)
@@ -235,6 +241,29 @@ contains
       waveform_error = waveform_error + missing
    end function waveform_error
 
+   !> `waveform_error` at equally spaced instants of the period, beginning at theta = 0, eight or more in a period of the highest
+   !> harmonic.
+   subroutine sample_error(self, balance, i, wave)
+      class(error_estimate_type), intent(in) :: self
+      !> The balance of the estimate.
+      type(balance_type), intent(in) :: balance
+      !> Number of the unknown mesh.
+      integer, intent(in) :: i
+      !> Errors [1], (sample).
+      real(dp), allocatable, intent(out) :: wave(:)
+      type(transform_type) :: transform
+      real(dp) :: tail(1 + 2*self%count)
+
+      tail(1) = 0
+      tail(2::2) = self%tail(:self%count, i)%re
+      tail(3::2) = -self%tail(:self%count, i)%im
+      call transform%plan(fine_samples(maxval([1, balance%harmonic, self%harmonic(:self%count)])))
+      call sample(tail, self%harmonic(:self%count), transform)
+      wave = transform%sample
+      call sample(self%error(:, i), balance%harmonic, transform)
+      wave = wave + transform%sample
+   end subroutine sample_error
+
    !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is no root, the vertex.
    pure real(dp) function way_back(y, slope, bend)
       real(dp), intent(in) :: y, slope, bend
@@ -287,11 +316,12 @@ contains
    end subroutine find_remainder
 
    !> Forces at the harmonics of the tail by the carried harmonics [1], (tail, unknown).
-   subroutine find_forces(balance, u, frequency_ratio, harmonic, reach, spectra, wide, force)
+   subroutine find_forces(balance, u, frequency_ratio, harmonic, reach, spectra, direct, wide, force)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: u(:, :), frequency_ratio
       integer, intent(in) :: harmonic(:), reach
       type(spectra_type), intent(in) :: spectra(:)
+      logical, intent(in) :: direct
       type(transform_type), intent(inout) :: wide
       complex(dp), intent(out) :: force(:, :)
       complex(dp) :: integral(size(harmonic))
@@ -312,7 +342,7 @@ contains
          complex(dp), intent(in) :: w(0:)
          complex(dp), intent(out) :: product(:)
 
-         if (balance%is_direct()) then
+         if (direct) then
             call driven(balance%harmonic, harmonic, w, u(:, i), product)
             product = product + 2*u(1, i)*w(harmonic)
          else
@@ -359,11 +389,12 @@ contains
    end subroutine find_tail
 
    !> Change of the residual at the carried harmonics by the forces of the tail, with opposite sign [1], (block, unknown).
-   subroutine find_shift(balance, frequency_ratio, harmonic, reach, spectra, wide, tail, correction)
+   subroutine find_shift(balance, frequency_ratio, harmonic, reach, spectra, direct, wide, tail, correction)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: frequency_ratio
       integer, intent(in) :: harmonic(:), reach
       type(spectra_type), intent(in) :: spectra(:)
+      logical, intent(in) :: direct
       complex(dp), intent(in) :: tail(:, :)
       type(transform_type), intent(inout) :: wide
       real(dp), intent(out) :: correction(:, :)
@@ -404,7 +435,7 @@ contains
          complex(dp), intent(in) :: w(0:)
          real(dp), intent(out) :: product(:)
 
-         if (balance%is_direct()) then
+         if (direct) then
             call tail_force(balance%harmonic, harmonic, w, tail(:, i), product)
          else
             call transform_tail(balance%harmonic, harmonic, w, tail(:, i), wide, product)

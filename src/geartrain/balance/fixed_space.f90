@@ -40,12 +40,14 @@ module geartrain_balance_fixed_space
       !> Unknowns with the same number move equally, (unknown).
       integer, allocatable :: orbit(:)
       !> Equations of the mean where every mesh has its mean stiffness, (equation, unknown), and their inverse.
-      real(dp), allocatable, private :: mean(:, :), inverse(:, :)
+      real(dp), allocatable, private :: mean(:, :)
+      real(dp), allocatable :: inverse(:, :)
       !> Branches that move half a period later as others do.
       type(half_period_type) :: half_period
    contains
       procedure :: find
       procedure :: is_whole
+      procedure :: joins
       procedure :: parts
       procedure :: modes_of
       procedure :: has_differences
@@ -153,6 +155,14 @@ contains
 
       is_whole = self%parts() == 0
    end function is_whole
+
+   !> Whether some unknowns move equally at once.
+   pure logical function joins(self)
+      class(fixed_space_type), intent(in) :: self
+
+      joins = .false.
+      if (allocated(self%group)) joins = size(self%group) > 0
+   end function joins
 
    !> Number of parts of the other motions: a difference mode of each group and, where there is one, the part that changes its sign
    !> half a period later.

@@ -35,25 +35,33 @@ module geartrain_balance_mesh_load
 contains
 
    !> Makes the work space; does nothing where eta and samples are equal to those of the last call.
-   subroutine setup(self, system, eta, samples)
+   subroutine setup(self, system, eta, transform)
       class(force_reader_type), intent(inout) :: self
       !> The train.
       type(system_type), intent(in) :: system
-      !> Period of the motions [periods of the fundamental]; samples a period.
-      integer, intent(in) :: eta, samples
-      integer :: j, q, s
+      !> Period of the motions [periods of the fundamental].
+      integer, intent(in) :: eta
+      !> Planned for as many samples as a period has; overwritten.
+      type(transform_type), intent(inout) :: transform
+      real(dp), allocatable :: u(:)
+      integer :: i, j, n, s
 
       if (allocated(self%force)) then
-         if (self%eta == eta .and. size(self%force) == samples) return
+         if (self%eta == eta .and. size(self%force) == transform%samples) return
          deallocate (self%kappa, self%force)
       end if
       self%eta = eta
-      allocate (self%force(samples))
-      allocate (self%kappa(samples, minval(system%law%lowest):maxval(system%law%highest), system%meshes))
+      allocate (self%force(transform%samples))
+      allocate (self%kappa(transform%samples, minval(system%law%lowest):maxval(system%law%highest), system%meshes))
       do j = 1, system%meshes
-         do s = system%law(j)%lowest, system%law(j)%highest
-            self%kappa(:, s, j) = [(system%law(j)%stiffness_at(s, 2*pi*eta*(q - 1)/real(samples, dp)), q=1, samples)]
-         end do
+         associate (law => system%law(j))
+            do s = law%lowest, law%highest
+               n = size(law%harmonic)
+               u = [law%stiffness(s), (law%amplitude(i, s)%re, -law%amplitude(i, s)%im, i=1, n)]
+               call sample(u, eta*law%harmonic, transform)
+               self%kappa(:, s, j) = transform%sample
+            end do
+         end associate
       end do
    end subroutine setup
 

@@ -10,6 +10,7 @@ module geartrain_network_limits
    use geartrain_network_excitation, only: lowest_harmonic
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_elements, only: vibrating
+   use geartrain_network_nearby_orders, only: most_cycles
    use geartrain_network_network, only: build_network, network_type, stiffening
    use geartrain_network_nodes, only: join_rigid, nodes_type
    use geartrain_network_system, only: put_excitation, system_type
@@ -21,8 +22,6 @@ module geartrain_network_limits
    !> Smallest mesh frequency over the frequency of the slowest mesh [1]: below this limit a period of the fundamental takes more
    !> than about 1e5 steps of the flow.
    real(dp), parameter :: slowest = 1e-4_dp
-   !> Most cycles of a mesh in a period of the fundamental that a harmonic balance or a monodromy matrix is made for.
-   integer, parameter :: most_cycles = 10000
    !> Largest mesh frequency over the frequency of the slowest mesh [1]: beyond this limit only the mean of a motion is left.
    real(dp), parameter :: fastest = 1e6_dp
    !> Largest ratio of the frequencies of two elements [1]: the fastest element determines the time step and the cost of the

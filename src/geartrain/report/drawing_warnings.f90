@@ -12,6 +12,7 @@ module geartrain_report_drawing_warnings
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
    use geartrain_network_light_loads, only: reduce_light_loads
+   use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
    use geartrain_network_elements, only: vibrating
    use geartrain_network_nodes, only: join_rigid, nodes_type
@@ -85,7 +86,24 @@ contains
       if (any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) call warn_of_drawing(train, plain, slips, warnings)
       ! Modes follow from the numbers: where these may be in another unit, they say nothing.
       if (.not. slips) call warn_of_damping_of_modes(train, warnings)
+      if (all_toothed(train)) call warn_of_nearby_orders(train, warnings)
    end subroutine find_warnings
+
+   !> Warns where the mesh frequencies are not quite those of the teeth.
+   subroutine warn_of_nearby_orders(train, warnings)
+      type(train_type), intent(in) :: train
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(kinematics_type) :: found
+      integer :: fastest
+
+      call find_kinematics(train, found)
+      if (.not. found%order_error > 0) return
+      fastest = maxloc(found%order, 1)
+      call add_warning(warnings, 'mesh', fastest, 'by the teeth all meshes together repeat themselves after '// &
+                       integer_text(found%exact_order(fastest))//' cycles of this mesh; the mesh frequencies are taken '// &
+                       short(found%order_error)//' off at most (relative), by which they repeat themselves after '// &
+                       integer_text(found%order(fastest)))
+   end subroutine warn_of_nearby_orders
 
    !> Warns of meshes that are given by their drawing.
    subroutine warn_of_drawing(train, plain, slips, warnings)

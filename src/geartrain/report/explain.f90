@@ -143,6 +143,12 @@ contains
       integer :: i
 
       associate (k => context%kinematics, bodies => context%given%bodies)
+         if (k%order_error > 0) then
+            words = 'about '//short(context%plain%speed_ratio)//' turns of '//trim(speed_name(context))//', by mesh frequencies &
+               &within '//short(k%order_error)//' of those of the teeth, by which it is '
+            words = words//integer_text(int(k%fundamental(2)))//'/'//integer_text(int(k%fundamental(1)))
+            return
+         end if
          if (allocated(context%given%bodies)) then
             do i = 1, size(bodies)
                if (k%rate(1, i)*k%fundamental(2) /= k%fundamental(1)*k%rate(2, i)) cycle
@@ -320,6 +326,8 @@ contains
          words = as_given
          if (mesh%order == 0) words = 'mesh frequency over the fundamental frequency, '// &
                                       trim(merge('from the teeth', 'default       ', context%toothed))
+         if (context%kinematics%order_error > 0) words = words//', which make it the multiple '// &
+            integer_text(context%kinematics%exact_order(i))//' of their own fundamental'
          call carry(fields, field_type('order', '', '1', words), plain%order)
          orders = plain%order*excited(plain)
          if (size(orders) > 0) call carry(fields, field_type('excited_orders', 'harmonic', '1', 'multiples of the fundamental &

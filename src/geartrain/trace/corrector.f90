@@ -124,7 +124,7 @@ contains
       self%matrix%row = 0
       self%matrix%corner = 1
       if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
-      call self%matrix%factor(self%balance, success)
+      call self%matrix%factor(self%balance, success, self%fixed)
       if (.not. success) return
       call self%orient(solution, 1)
       call self%correct(solution, success)
@@ -272,7 +272,7 @@ contains
             self%matrix%row = row
             self%matrix%corner = row_frequency
             if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
-            call self%matrix%factor(self%balance, regular)
+            call self%matrix%factor(self%balance, regular, self%fixed)
             if (.not. regular) return
          end if
          y = 0
@@ -321,7 +321,7 @@ contains
       solution%orientation = self%matrix%orientation
       if (.not. self%fixed%is_whole()) then
          solution%differences = self%differences
-         solution%orientation = self%fixed%restricted(self%matrix%orientation, self%differences)
+         if (.not. self%matrix%equal) solution%orientation = self%fixed%restricted(self%matrix%orientation, self%differences)
       end if
       if (length < 0) solution%orientation = -solution%orientation
       if (self%matrix%oriented_in_time) solution%orientation = 2*solution%orientation

@@ -116,7 +116,7 @@ contains
       n = branch%points + 1
       call self%transform%plan(fine_samples(resolution_of(balance, coefficients)))
       if (balance%varies) self%reader = fresh
-      call self%reader%setup(balance%system, balance%eta, self%transform%samples)
+      call self%reader%setup(balance%system, balance%eta, self%transform)
       branch%frequency_ratio(n) = solution%frequency_ratio
       if (allocated(branch%half_backlash_at)) branch%half_backlash_at(:, n) = balance%system%half_backlash
       branch%coefficients(:, :, n) = 0

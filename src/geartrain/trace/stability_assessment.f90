@@ -26,6 +26,9 @@ module geartrain_trace_stability_assessment
    !> Distance of a multiplier from the unit circle, over its error, above which its side of the circle is decided [1].
    real(dp), parameter :: surely = 2
 
+   !> Events above which the error of the waveform is interpolated between samples.
+   integer, parameter :: many_events = 64
+
    type :: assessment_type
       !> All multipliers are inside the unit circle, by the first estimate.
       logical :: stable = .false.
@@ -110,11 +113,13 @@ contains
       type(growth_type) :: growth
       real(dp), allocatable :: shift(:, :)
       real(dp) :: theta, moved, other
+      logical :: doubtful
 
-      call find_growth(monodromy, balance, frequency_ratio, growth)
+      doubtful = estimate%doubtful .or. estimate%relative > largest_error
+      call find_growth(monodromy, balance, frequency_ratio, growth, roughly=doubtful)
       assessment%growth_rate = growth%rate
       assessment%stable = growth%rate < -growth%error
-      assessment%undecided = .not. growth%sure .or. estimate%doubtful .or. estimate%relative > largest_error
+      assessment%undecided = .not. growth%sure .or. doubtful
       if (.not. assessment%undecided .and. any(balance%contact%events > 0)) then
          theta = growth%time*frequency_ratio/balance%eta
          shift = shifts(balance, u, estimate, theta)
@@ -149,16 +154,27 @@ contains
       real(dp), intent(in) :: u(:), last
       type(error_estimate_type), intent(in) :: estimate
       real(dp), intent(out) :: shift(:)
-      real(dp) :: p, slope, curvature, inside, error, least
-      integer :: k
+      real(dp), allocatable :: wave(:)
+      real(dp) :: p, slope, curvature, inside, error, least, place
+      integer :: k, n
 
       shift = 0
       least = 0
+      ! A hunting train has thousands of events, and of harmonics of the error.
+      if (count(balance%contact(i)%instant(:balance%contact(i)%events) <= last) > many_events) &
+         call estimate%sample_error(balance, i, wave)
       associate (contact => balance%contact(i))
          do k = 1, contact%events
             if (contact%instant(k) > last) exit
             call evaluate(u, balance%harmonic, contact%instant(k), p, slope, curvature)
-            error = estimate%waveform_error(balance, i, contact%instant(k))
+            if (allocated(wave)) then
+               place = contact%instant(k)/(2*pi)*size(wave)
+               n = int(place)
+               error = wave(modulo(n, size(wave)) + 1)
+               error = error + (place - n)*(wave(modulo(n + 1, size(wave)) + 1) - error)
+            else
+               error = estimate%waveform_error(balance, i, contact%instant(k))
+            end if
             inside = slope**2 - 2*curvature*error
             if (inside > 0) then
                shift(k) = -2*error/(slope + sign(sqrt(inside), slope))

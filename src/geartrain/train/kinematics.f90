@@ -6,6 +6,7 @@
 module geartrain_train_kinematics
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
+   use geartrain_network_nearby_orders, only: find_nearby_orders
    use geartrain_train_bodies, only: body_count, find_carriers, find_ends
    use geartrain_train_mesh, only: is_given
    use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
@@ -30,6 +31,10 @@ module geartrain_train_kinematics
       !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); revolution_order is 0 where the
       !> body has no torque of its own revolution. A planet revolves against its carrier: so its teeth and its bearing pass.
       integer, allocatable :: order(:), revolution_order(:)
+      !> The mesh frequencies are not quite those of the teeth, so that their period has fewer cycles: order of each mesh by
+      !> the teeth, (mesh), and largest relative error of a frequency [1]; not allocated and 0 where they are exact.
+      integer, allocatable :: exact_order(:)
+      real(dp) :: order_error = 0
       !> Number of the body whose revolutions are the speed, 0: no body has the name; its turns per period of the fundamental [1].
       integer :: speed_body = 1
       real(dp) :: speed_ratio = 0
@@ -118,6 +123,7 @@ contains
       found%fundamental = [divisor, common]
       found%speed_ratio = real(common, dp)/real(divisor, dp)
       found%known = .true.
+      call go_nearby(found)
 
    contains
 
@@ -139,6 +145,22 @@ contains
       end function engaged
 
    end subroutine find_kinematics
+
+   !> Takes nearby orders where those of the teeth are too high.
+   pure subroutine go_nearby(found)
+      type(kinematics_type), intent(inout) :: found
+      integer, allocatable :: order(:), nearby(:)
+      real(dp) :: scale
+
+      order = [found%order, pack(found%revolution_order, found%revolution_order > 0)]
+      allocate (nearby(size(order)))
+      call find_nearby_orders(order, nearby, scale, found%order_error)
+      if (.not. found%order_error > 0) return
+      found%exact_order = found%order
+      found%order = nearby(:size(found%order))
+      found%revolution_order = unpack(nearby(size(found%order) + 1:), found%revolution_order > 0, 0)
+      found%speed_ratio = found%speed_ratio*scale
+   end subroutine go_nearby
 
    !> Makes a frequency a multiple of divisor/common.
    pure subroutine include(frequency, divisor, common)

@@ -1,0 +1,134 @@
+"""A wind turbine's planetary and two parallel stages, by mesh frequencies near those of the teeth, against equations of its own."""
+
+import time
+
+import numpy as np
+import pytest
+from gearboxes import PLANETARY_TURBINE, train_of
+from scipy.integrate import solve_ivp
+
+pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+
+BODIES = ["rotor", "carrier", "sun", "wheel 2", "pinion 2", "wheel 3", "pinion 3", "generator"]
+BODIES += [f"stage 1 planet {number}" for number in (1, 2, 3)]
+SHAFTS = (("rotor", "carrier"), ("sun", "wheel 2"), ("pinion 2", "wheel 3"), ("pinion 3", "generator"))
+
+
+@pytest.fixture(scope="module")
+def turbine():
+    return train_of(PLANETARY_TURBINE)
+
+
+class Turbine:
+    """Equations by absolute angles of one sense of rotation, with the exact ratios of the teeth 21, 39, 99, 82/23 and 88/22."""
+
+    def __init__(self, train):
+        numbers = train.explain()
+        place = {name: number for number, name in enumerate(BODIES)}
+        self.inertia = np.array([numbers[name]["inertia"] for name in BODIES])
+        carrier = 1 / ((1 + 99 / 21) * (82 / 23) * (88 / 22))  # turns per turn of the generator
+        self.order = np.array([(1 + 99 / 21) * carrier * 82, 88 / 22 * 22, *6 * [99 * carrier]])
+        self.torque = np.zeros(len(BODIES))
+        self.torque[[place["rotor"], place["generator"]]] = 322e3, -322e3 * carrier
+        rows, self.meshes = [], [numbers[f"mesh {number}"] for number in range(1, 9)]
+        for (one, other), sense in zip(SHAFTS, (1, 1, -1, 1), strict=True):
+            rows.append({one: sense, other: -sense})
+        for number, mesh in enumerate(self.meshes):
+            a, b = mesh["base_radius"]
+            if number == 0:
+                rows.append({"wheel 2": a, "pinion 2": b})
+            elif number == 1:
+                rows.append({"wheel 3": -a, "pinion 3": -b})
+            elif number < 5:
+                rows.append({"sun": a, BODIES[8 + number - 2]: b, "carrier": -a - b})
+            else:
+                rows.append({BODIES[8 + number - 5]: -a, "carrier": a - b})
+        self.rows = np.zeros((len(rows), len(BODIES)))
+        for row, entries in zip(self.rows, rows, strict=True):
+            row[[place[name] for name in entries]] = list(entries.values())
+        elements = [*(numbers[f"shaft {number}"] for number in range(1, 5)), *self.meshes]
+        self.stiffness, self.damping = (np.array([part[name] for part in elements]) for name in ("stiffness", "damping"))
+        self.half = np.array([mesh["half_backlash"] for mesh in self.meshes])
+        self.kappa, self.error = (
+            np.array([[np.append(mesh.get(f"{name}_{part}", 0.0), np.zeros(3))[:3] for part in ("cos", "sin")]
+                      for mesh in self.meshes])
+            for name in ("stiffness", "error")
+        )
+
+    def fly(self, rpm, begin, length, samples):
+        """Mesh displacements [m] from rest, at instants of the last part of a flight."""
+        omega, harmonics, n = self.order * rpm * 2 * np.pi / 60, np.arange(1, 4), len(BODIES)
+
+        def displacements(t, y):
+            angle = np.outer(omega * t, harmonics)
+            waves = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            rates = omega[:, None, None] * harmonics * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+            p, v = self.rows @ y[:n], self.rows @ y[n:]
+            p[4:] += (self.error * waves).sum(axis=(1, 2))
+            v[4:] += (self.error * rates).sum(axis=(1, 2))
+            return p, v, 1 + (self.kappa * waves).sum(axis=(1, 2))
+
+        def rates(t, y):
+            p, v, kappa = displacements(t, y)
+            force = self.stiffness * p + self.damping * v
+            gap = p[4:] - np.clip(p[4:], -self.half, self.half)
+            force[4:] = self.stiffness[4:] * kappa * gap + self.damping[4:] * v[4:]
+            return np.concatenate([y[n:], (self.torque - self.rows.T @ force) / self.inertia])
+
+        rest = np.linalg.lstsq(self.rows.T, self.torque, rcond=None)[0]
+        twist = rest / self.stiffness
+        twist[4:] += np.sign(rest[4:]) * self.half
+        start = np.concatenate([np.linalg.lstsq(self.rows, twist, rcond=None)[0], np.zeros(n)])
+        t = np.linspace(begin, begin + length, samples)
+        found = solve_ivp(rates, (0, t[-1]), start, method="DOP853", rtol=1e-7, atol=1e-11, t_eval=t)
+        return t, np.array([displacements(*at)[0][4:] for at in zip(t, found.y.T, strict=True)])
+
+
+def test_mesh_frequencies_are_near_those_of_the_teeth(turbine):
+    numbers = turbine.explain()
+    orders = np.array([numbers[f"mesh {number}"]["order"] for number in range(1, 9)])
+    assert orders.max() == 4817
+    np.testing.assert_allclose(orders / numbers["train"]["speed_ratio"], Turbine(turbine).order, rtol=4.6e-6)
+
+
+@pytest.mark.full
+def test_its_response_is_a_matter_of_seconds(turbine):
+    begun = time.process_time()
+    branch = turbine.response(start=1100.0, stop=1900.0, unit="rpm", harmonics=0, tolerance=1e-3)
+    assert time.process_time() - begun < 60
+    assert branch.complete and branch.stable.all() and not branch.undecided.any() and branch.error_estimate.max() <= 1e-3
+    largest = branch.others["mesh_force_maximum"][:, 1].argmax()
+    assert branch.speed[largest] == pytest.approx(1799, abs=1)
+    assert branch.others["dynamic_factor"][largest, 1] == pytest.approx(1.465, abs=2e-3)
+
+
+@pytest.mark.parametrize(
+    "rpm", [pytest.param(rpm, marks=pytest.mark.full if rpm == 1500 else pytest.mark.nightly) for rpm in (1130.0, 1500.0, 1799.0)])
+def test_a_motion_is_that_of_the_exact_ratios(turbine, rpm):
+    """Amplitudes of the strongest lines, at their exact frequencies, after 1.6 s from rest. The slowest mode, 2.84 Hz, rings on."""
+    branch = turbine.response(start=rpm - 0.5, stop=rpm + 0.5, unit="rpm", harmonics=0, tolerance=1e-3, stability=False)
+    (motion,) = branch.at(rpm, unit="rpm")
+    equations = Turbine(turbine)
+    nearby = np.array([turbine.explain()[f"mesh {number}"]["order"] for number in (3, 1, 2)])
+    exact = equations.order[[2, 0, 1]]
+    # Sums of few mesh frequencies, the shortest first.
+    sums = np.stack(np.meshgrid(*3 * [np.arange(-9, 10)]), axis=-1).reshape(-1, 3)
+    frequency = {}
+    for terms in sums[np.argsort(abs(sums).sum(axis=1), kind="stable")]:
+        frequency.setdefault(terms @ nearby, terms @ exact)
+    u = motion.coefficients
+    strength = np.hypot(u[:, 1::2], u[:, 2::2]).max(axis=0)
+    lines = []
+    for harmonic in 1 + strength.argsort()[::-1][: np.count_nonzero(strength)]:
+        f = frequency.get(harmonic, 0.0) * rpm / 60
+        if len(lines) < 40 and f > 8 and all(abs(f - other) > 3 for _, other in lines):
+            lines.append((harmonic, f))
+    t, p = equations.fly(rpm, 1.6, 0.6, 4801)
+    slow = 2 * np.pi * 2.83652 * t
+    waves = [np.ones_like(t), np.cos(slow), np.sin(slow)]
+    for _, f in lines:
+        waves += [np.cos(2 * np.pi * f * t), np.sin(2 * np.pi * f * t)]
+    fitted = np.linalg.lstsq(np.array(waves).T, p / turbine.explain()["train"]["characteristic_length"], rcond=None)[0]
+    found = np.array([u[:, 2 * harmonic - 1 + part] for harmonic, _ in lines for part in (0, 1)])
+    np.testing.assert_allclose(np.linalg.norm(found, axis=0), np.linalg.norm(fitted[3:], axis=0), rtol=1e-3)
+    assert (np.linalg.norm(found - fitted[3:], axis=0) < 1e-2 * np.linalg.norm(found, axis=0)).all()
