@@ -297,6 +297,7 @@ contains
             fields%way = reading
             call fields%expect('mesh', size(box%case%train%meshes))
             call fields%expect('shaft', size(box%case%train%shafts))
+            call fields%expect('coupling', count(box%case%train%meshes%is_coupling))
             n = 0
             if (fields%enter('/motions', '', .true.)) call fields%index_axis('motion', n, '')
             allocate (box%motions(n))

@@ -10,7 +10,7 @@ module geartrain_continuation_branch
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, &
       about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, &
       carry_torques, coefficient_axis, on_stability
-   use geartrain_flow_torque_fields, only: about_held
+   use geartrain_flow_torque_fields, only: about_coupling, about_held
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, gap_along, has_sets, &
@@ -78,9 +78,9 @@ module geartrain_continuation_branch
 
    !> A branch of periodic motions; arrays over the points may be longer than `points`.
    type :: branch_type
-      !> Numbers of points, meshes, shafts, held bodies, multipliers of a point (of many states the leading ones; 0 where the period
-      !> is long) and harmonics in use; period of the motions in periods of the fundamental.
-      integer :: points = 0, meshes = 0, shafts = 0, held = 0, states = 0, harmonics = 0, subharmonic = 1
+      !> Numbers of points, meshes, shafts, held bodies, couplings, multipliers of a point (of many states the leading ones; 0 where
+      !> the period is long) and harmonics in use; period of the motions in periods of the fundamental.
+      integer :: points = 0, meshes = 0, shafts = 0, held = 0, couplings = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
       !> Harmonics of Lambda/subharmonic that `coefficients` has room for, ascending: 1 .. harmonics; where balances carry sets of
@@ -95,8 +95,8 @@ module geartrain_continuation_branch
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
       !> Mesh forces, (mesh, point).
       type(mesh_load_type), allocatable :: mesh_load(:, :)
-      !> Torque of each shaft, then of what holds each held body, over the period [N m], (shaft, then held body, point); NaN where
-      !> nothing determines it. Allocated where asked for.
+      !> Torque of each shaft, then of what holds each held body, then of each coupling, over the period [N m], (shaft, then held
+      !> body, then coupling, point); NaN where nothing determines it. Allocated where asked for.
       real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
       !> Half backlash over characteristic length, (mesh).
       real(dp), allocatable :: half_backlash(:)
@@ -333,6 +333,8 @@ contains
       if (fields%has('shaft_torque_mean', allocated(branch%shaft_torque_mean))) then
          call fields%index_axis('shaft', branch%shafts, about_shaft)
          if (fields%has('reaction_torque_mean', branch%held > 0)) call fields%index_axis('held', branch%held, about_held)
+         if (fields%has('coupling_torque_mean', branch%couplings > 0)) &
+            call fields%index_axis('coupling', branch%couplings, about_coupling)
          call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &
                             branch%shaft_torque_maximum)
       end if

@@ -264,7 +264,9 @@ contains
       associate (system => flow%system, paths => flow%system%torque_paths, length => flow%system%characteristic_length)
          do n = 1, system%elements
             if (system%element_mesh(n) > 0) then
-               force(:, n) = mesh_force(:, system%element_mesh(n))
+               associate (j => system%element_mesh(n))
+                  force(:, n) = system%stiffness(n)*length/system%load_unit(j)*mesh_force(:, j)
+               end associate
             else
                force(:, n) = system%spring(n)*flow%p(1, n, :) + system%damping(n)*flow%v(1, n, :)
                force(0, n) = force(0, n) + system%static_force(n)
@@ -289,7 +291,7 @@ contains
       end associate
    end subroutine torque_series
 
-   !> Taylor coefficients of the force of a mesh over the latest step [N].
+   !> Taylor coefficients of the force of a mesh over the latest step [N], of the torque of a coupling [N m].
    pure subroutine force_series(flow, mesh, region, force)
       type(flow_type), intent(in) :: flow
       !> Number of the mesh; region of its law during the step.
@@ -311,7 +313,7 @@ contains
             force = force + law%stiffness(region)*stretch
          end if
       end associate
-      force = flow%system%stiffness(n)*flow%system%characteristic_length*force
+      force = flow%system%load_unit(mesh)*force
    end subroutine force_series
 
    !> Includes the values of a Taylor series over a step in a range. A step is shorter than a period of the fastest vibration: in

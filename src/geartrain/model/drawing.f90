@@ -12,7 +12,7 @@ module geartrain_model_drawing
    use geartrain_model_gear_pair, only: find_geometry, find_stiffness, gear_pair_type, light_load, pair_geometry_type, &
       pair_stiffness_type, rectangular_wave
    use geartrain_model_kinematics, only: all_toothed, find_kinematics, kinematics_type
-   use geartrain_model_mesh, only: has_table, is_given, mesh_type, plain_mesh, put_law
+   use geartrain_model_mesh, only: has_table, is_given, mesh_type, plain_coupling, plain_mesh, put_law
    use geartrain_model_network, only: build_network, network_type
    use geartrain_model_rest, only: rest_forces
    use geartrain_model_shaft, only: shaft_type
@@ -48,7 +48,11 @@ contains
             plain%shafts(i)%stiffness = section_stiffness(train%shafts(i))
       end do
       do i = 1, size(train%meshes)
-         call put_pair(train%meshes(i), plain%meshes(i))
+         if (train%meshes(i)%is_coupling) then
+            call plain_coupling(plain%meshes(i))
+         else
+            call put_pair(train%meshes(i), plain%meshes(i))
+         end if
       end do
    end subroutine plain_train
 
@@ -87,6 +91,9 @@ contains
          if (.not. abs(train%characteristic_length) > 0) plain%characteristic_length = 1e-6_dp
       end if
       where (plain%meshes%order == 0) plain%meshes%order = 1
+      ! A coupling excites nothing: its order is one that there is.
+      if (any(.not. plain%meshes%is_coupling)) &
+         where (plain%meshes%is_coupling) plain%meshes%order = minval(plain%meshes%order, .not. plain%meshes%is_coupling)
    end subroutine put_orders
 
    !> Sets radii, half backlash, stiffness and harmonics of a mesh.

@@ -12,6 +12,7 @@ module geartrain_model_explain
       reduce_light_loads
    use geartrain_model_drawing_warnings, only: find_warnings
    use geartrain_model_error_phase, only: lacks_phase
+   use geartrain_model_explain_coupling, only: explain_coupling
    use geartrain_model_explain_damping, only: damping_explanation_type
    use geartrain_model_explain_planetary, only: explain_set
    use geartrain_model_frequency_unit, only: speed_per_lambda
@@ -41,7 +42,8 @@ module geartrain_model_explain
 
 contains
 
-   !> Makes groups of fields: 'train', the name of each body, 'shaft 1', ..., 'mesh 1', ..., the name of each planetary set
+   !> Makes groups of fields: 'train', the name of each body, 'shaft 1', ..., 'mesh 1', ..., 'coupling 1', ..., the name of each
+   !> planetary set.
    subroutine explain_train(train, fields)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -64,7 +66,11 @@ contains
          call explain_shaft(context, i, fields)
       end do
       do i = 1, size(train%meshes)
-         call explain_mesh(context, i, fields)
+         if (train%meshes(i)%is_coupling) then
+            call explain_coupling(context%given, context%system, context%damping, i, fields)
+         else
+            call explain_mesh(context, i, fields)
+         end if
       end do
       if (.not. any(train%meshes%carrier /= '')) return
       call find_sets(context%plain, sets)

@@ -6,7 +6,7 @@ module geartrain_model_labels
    use geartrain_model_train, only: train_type
    implicit none (type, external)
    private
-   public :: body_labels, held_labels, label_length, mesh_labels, shaft_labels
+   public :: body_labels, coupling_labels, held_labels, label_length, mesh_labels, shaft_labels
 
    !> Most characters of a label.
    integer, parameter :: label_length = 2*name_length + 16
@@ -49,6 +49,17 @@ contains
          labels(n) = train%bodies(i)%name
       end do
    end function held_labels
+
+   !> Labels of the couplings, which are the last of the meshes, (coupling).
+   pure function coupling_labels(train) result(labels)
+      !> A train that is in order.
+      type(train_type), intent(in) :: train
+      character(label_length) :: labels(count(train%meshes%is_coupling))
+
+      associate (all_meshes => mesh_labels(train))
+         labels = all_meshes(size(all_meshes) - size(labels) + 1:)
+      end associate
+   end function coupling_labels
 
    !> Labels of the meshes, their names or the driving body first; no two are equal, (mesh).
    pure function mesh_labels(train) result(labels)

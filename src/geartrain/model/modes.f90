@@ -7,6 +7,7 @@ module geartrain_model_modes
    use geartrain_linalg_lapack, only: dgeev
    use geartrain_model_check, only: check_train
    use geartrain_model_labels, only: body_labels, label_length, mesh_labels, shaft_labels
+   use geartrain_model_mesh_groups, only: mesh_word
    use geartrain_model_network, only: network_type
    use geartrain_model_spectrum, only: eigenvalue_ranges, eigenvalues_of
    use geartrain_model_system, only: build_system, system_type
@@ -77,7 +78,7 @@ contains
       do i = 1, size(shown)
          associate (shaft => system%element_shaft(shown(i)), mesh => system%element_mesh(shown(i)))
             if (mesh > 0) then
-               write (modes%element(i), '(a, i0)') 'mesh ', mesh
+               modes%element(i) = mesh_word(train%meshes, mesh)
                modes%element_label(i) = meshes(mesh)
             else if (shaft > 0) then
                write (modes%element(i), '(a, i0)') 'shaft ', shaft

@@ -56,7 +56,7 @@ contains
          call say_motions(branch, ends, train, told, .true., sheet, torques)
          if (sheet%verbose) call put_details(branch, 'Response', train, told, sheet)
       end if
-      call say_quality(branch, 'Response', settings, ends, .true., told, sheet)
+      call say_quality(branch, count(.not. train%meshes%is_coupling), 'Response', settings, ends, .true., told, sheet)
    end subroutine report_branch
 
    !> Adds the branches that follow from a response and from attractors.
@@ -105,7 +105,8 @@ contains
                end associate
             end if
             if (sheet%verbose .or. i <= most_branches) call sheet%say(in_result, words//'.')
-            call say_quality(branch, 'Branch '//text(i), settings, ends, .false., told, sheet)
+            call say_quality(branch, count(.not. train%meshes%is_coupling), 'Branch '//text(i), settings, ends, .false., told, &
+                             sheet)
             if (sheet%verbose .and. branch%points > 0) call put_details(branch, words, train, told, sheet)
          end associate
       end do

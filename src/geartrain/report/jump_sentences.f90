@@ -6,6 +6,7 @@ module geartrain_report_jump_sentences
    use geartrain_continuation_branch, only: branch_type
    use geartrain_continuation_jumps, only: jump_type, jumps
    use geartrain_model_drawing, only: plain_train
+   use geartrain_model_mesh_groups, only: mesh_word
    use geartrain_model_train, only: train_type
    use geartrain_report_frequency_text, only: frequency_text_type
    use geartrain_report_length_text, only: length_text, length_text_type
@@ -56,7 +57,8 @@ contains
             words = words//' '//trim(ending(found(i)%cause, branch, train))
          else
             mesh = maxloc(abs(found(i)%after - found(i)%before), 1)
-            words = words//' '//trim(found(i)%kind)//', mesh '//text(mesh)//' from '//trim(lengths%rms(found(i)%before(mesh))) &
+            words = words//' '//trim(found(i)%kind)//', '//trim(mesh_word(train%meshes, mesh))//' from '// &
+                    trim(lengths%rms(found(i)%before(mesh))) &
                     //' to '//trim(lengths%rms(found(i)%after(mesh)))
             if (found(i)%candidates > 1) words = words//' (the nearest of '//text(found(i)%candidates)//' stable motions)'
          end if

@@ -11,6 +11,7 @@ module geartrain_report_resonances
    use geartrain_model_frequency_unit, only: hertz_per_lambda
    use geartrain_model_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_model_labels, only: label_length
+   use geartrain_model_mesh_groups, only: group_number
    use geartrain_model_modes, only: modes_type
    use geartrain_model_train, only: train_type
    use geartrain_report_frequency_text, only: frequency_text_type, in_width
@@ -177,7 +178,8 @@ contains
          head = in_width('at '//told%unit, 12)//'   order          Hz  mode        '
          if (size(largest) <= most_meshes) then
             do mesh = 1, size(largest)
-               head = head//in_width('mesh '//text(mesh), 9)
+               head = head//in_width(trim(merge('coupl', 'mesh ', train%meshes(mesh)%is_coupling))//' '// &
+                                     text(group_number(train%meshes, mesh)), 9)
             end do
          else
             head = head//'  largest  mesh'

@@ -16,7 +16,7 @@ module geartrain_run_results
    use geartrain_model_drawing, only: plain_train, state_count
    use geartrain_model_drawing_warnings, only: warnings_text
    use geartrain_model_frequency_unit, only: hertz_per_lambda, speed_per_lambda
-   use geartrain_model_labels, only: held_labels, mesh_labels, shaft_labels
+   use geartrain_model_labels, only: coupling_labels, held_labels, mesh_labels, shaft_labels
    use geartrain_model_train, only: train_type
    use geartrain_results_file, only: replace_file
    use geartrain_results_hdf5_reader, only: read_groups
@@ -189,6 +189,7 @@ contains
       call fields%expect('mesh', size(case%train%meshes), mesh_labels(case%train))
       call fields%expect('shaft', size(case%train%shafts), shaft_labels(case%train))
       call fields%expect('held', size(held_labels(case%train)), held_labels(case%train))
+      call fields%expect('coupling', size(coupling_labels(case%train)), coupling_labels(case%train))
       call fields%expect('coordinate', state_count(case%train))
       do i = 1, size(analyses)
          call find_analysis(i, case, results, analysis)
