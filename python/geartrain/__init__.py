@@ -59,7 +59,7 @@ from .summary import Jump, Peak, Peaks
 from .sweep import Sweep
 from .train import Train
 from .trajectory import Trajectory
-from .variables import Body, Mesh, Planetary, Shaft
+from .variables import Body, Coupling, Mesh, Planetary, Shaft
 
 __all__ = [
     "Attractors",
@@ -70,6 +70,7 @@ __all__ = [
     "Branch",
     "Campbell",
     "Case",
+    "Coupling",
     "Crossing",
     "DrawingWarning",
     "ExactPoint",

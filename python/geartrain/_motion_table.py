@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ._box import Box, Group
 from ._dataset import dataset
-from ._motion_check import NUMBERS, TORQUES, UNCERTAINTIES, VALUES, check_motion
+from ._motion_check import NUMBERS, OTHER_TORQUES, TORQUES, UNCERTAINTIES, VALUES, check_motion
 from ._units import hertz_of, speed_of
 from .description import mesh_names, shaft_names
 from .errors import InputError
@@ -44,7 +44,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
     assessed = bool(row.get("assessed", False))
     return {
         **{name: row.get(name, nothing) for name in VALUES},
-        **{name: row.get(name) for name in TORQUES},
+        **{name: row.get(name) for name in (*TORQUES, *OTHER_TORQUES)},
         **{name: None if row.get(name) is None or np.isnan(row[name]).all() else row[name] for name in UNCERTAINTIES},
         "window": float(np.nan_to_num(row.get("window", 0.0))),
         **{name: float(row.get(name, np.nan)) for name in ("frequency", *NUMBERS)},
@@ -61,7 +61,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
 
 
 _FIELDS = {
-    *VALUES, *TORQUES, *UNCERTAINTIES, *NUMBERS, "window",
+    *VALUES, *TORQUES, *OTHER_TORQUES, *UNCERTAINTIES, *NUMBERS, "window",
     *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
     *("assessed", "assessed_stable", "assessed_undecided"),
 }

@@ -16,8 +16,8 @@ module geartrain_flow_fields
 
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
-   character(*), parameter :: about_mesh = 'mesh, in the order of the train; then the couplings, whose displacement is their &
-      &twist, 1 um for 1 mrad', about_shaft = 'shaft, in the order of the train'
+   character(*), parameter :: about_mesh = 'mesh, in the order of the train; then couplings, with 1 um for 1 mrad of &
+      &twist', about_shaft = 'shaft, in the order of the train'
    character(*), parameter :: about_rms = 'rms of the paper, of mesh displacement / characteristic_length: root of the sum of &
       &squared harmonic amplitudes, sqrt(2) times the true AC rms'
    character(*), parameter :: about_true_ac_rms = 'root mean square over time of mesh displacement / characteristic_length without &

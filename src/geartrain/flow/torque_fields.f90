@@ -86,8 +86,8 @@ contains
       !> Name of the field; dimension before that of the couplings, blank: none; which torque it is.
       character(*), intent(in) :: name, along, which
 
-      about = row(name, trim(adjustl(along//' coupling')), 'N m', which//' torque of a coupling, positive where its first body &
-                  &drives the second', 'where there is a coupling', optional=.true.)
+      about = row(name, trim(adjustl(along//' coupling')), 'N m', which//' torque of a coupling', 'with a coupling', &
+                  optional=.true.)
    end function coupling_row
 
    !> Whether a dimension of torques has places.

@@ -23,23 +23,23 @@ contains
       character(:), allocatable :: word
 
       call v%enter('coupling', index)
-      call v%on_names(row('between', '', 'names of the two bodies; the twist is that of the first against the second'), &
+      call v%on_names(row('between', '', 'names of the two bodies'), &
                       coupling%between)
       word = trim(coupling%name)
-      call v%on_text(row('name', '', 'label of the coupling in results; none: by the names of the bodies'), word)
+      call v%on_text(row('name', '', 'label in results; none: by the names of the bodies'), word)
       coupling%name = word
       given = abs(coupling%torsional_stiffness) > 0
       call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; else `angle` and `torque`', above=zero), &
                      coupling%torsional_stiffness, given)
-      call v%on_real(row('half_play', 'rad', 'half of the play, within which there is no elastic torque; 0: none', least=zero), &
+      call v%on_real(row('half_play', 'rad', 'half of the play; 0: none', least=zero), &
                      coupling%half_play)
-      call v%on_list(row('angle', 'rad', 'in place of stiffness and half_play: twists of the corners of a polygon, ascending; &
-                         &beyond the first and the last the slope stays'), coupling%angle)
-      call v%on_list(row('torque', 'N m', 'torques at the corners, ascending, but for a play, within which they are 0'), &
+      call v%on_list(row('angle', 'rad', 'in place of stiffness and half_play: twists at the corners of a polygon, whose ends &
+                         &go on'), coupling%angle)
+      call v%on_list(row('torque', 'N m', 'torques at the corners, ascending; 0 within a play'), &
                      coupling%torque)
       by_ratio = .not. (coupling%damping_given .or. coupling%loss_factor > 0)
-      call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) with 1/m = 1/I_a + 1/I_b of its bodies, and k the slope beside the &
-                         &play on the side of positive torques or, without play, at rest without load', least=zero), &
+      call v%on_real(row('damping_ratio', '', 'c/(2 sqrt(k m)) as of a shaft, with the slope k beside the play on the side of &
+                         &positive torques or, without play, at the torque 0', least=zero), &
                      coupling%damping_ratio, by_ratio)
       call v%on_real(row('damping', 'N m s/rad', 'damping coefficient, in place of damping_ratio', least=zero, &
                          excludes='damping_ratio'), coupling%torsional_damping, coupling%damping_given)
