@@ -303,6 +303,21 @@ def test_balance_and_shooting():
         assert exact.coupling_torque_maximum == pytest.approx(exact.coupling_torque.max(axis=0), rel=1e-3)
 
 
+def test_stage_reached():
+    """A stage reached is a contact onset: there the twist just comes to a corner, of the balance and of the exact motion."""
+    train = driveline(damping=0.5, **BENT)
+    branch = train.response(start=0.1, stop=0.3, harmonics=24)
+    onsets = [onset for onset in branch.onsets if onset.kind.startswith("stage")]
+    assert onsets and {onset.mesh for onset in onsets} == {2}
+    for onset in onsets:
+        exact = onset.exact()
+        assert exact.kind == onset.kind
+        assert exact.frequency == pytest.approx(onset.frequency, rel=0.02)
+        twist = np.array([exact.motion.minimum[1], exact.motion.maximum[1]]) / PER_TWIST + middle_of(train.couplings[0])
+        corners = np.asarray(BENT["angle"])[1:-1]
+        assert np.abs(twist[:, None] - corners).min() < 1e-8
+
+
 def test_parameters():
     train = driveline(stiffness=3.0e3, damping=0.8, half_play=0.004)
     path = train.continuation(parameter="coupling 1 half_play", start=0.002, stop=0.006, frequency=0.25, harmonics=16)

@@ -10,6 +10,7 @@ module geartrain_continuation_branch
    use geartrain_flow_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, &
       about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_loads, &
       carry_torques, coefficient_axis, on_stability
+   use geartrain_continuation_stages, only: no_stage
    use geartrain_flow_torque_fields, only: about_coupling, about_held
    implicit none (type, external)
    private
@@ -20,7 +21,7 @@ module geartrain_continuation_branch
    type :: special_point_type
       !> 'fold', 'period doubling', 'neimark-sacker' (a pair of multipliers leaves the unit circle) or 'branch point' (another
       !> branch of the same period crosses; a multiplier passes +1 without a fold); of a contact onset 'separation' (a mesh begins
-      !> or ceases to separate) or 'back contact' (its back flanks begin or cease to touch).
+      !> or ceases to separate), 'back contact' (its back flanks begin or cease to touch) or 'stage 2 reached'.
       character(16) :: kind = ''
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
@@ -47,6 +48,8 @@ module geartrain_continuation_branch
       integer :: mesh = 0
       !> .true.: edge of a range of back collision; .false.: of separation.
       logical :: back = .false.
+      !> Number of the stage of a coupling that is reached or left there; `no_stage`: none.
+      integer :: stage = no_stage
       !> Lambda [1]; rms over characteristic length [1], (mesh).
       real(dp) :: frequency_ratio = 0
       real(dp), allocatable :: rms(:)

@@ -4,6 +4,7 @@ module geartrain_continuation_contact_ranges
    use geartrain_continuation_branch, only: branch_type, gap_along
    use geartrain_continuation_curve, only: way_between
    use geartrain_continuation_decided, only: joined
+   use geartrain_continuation_stages, only: no_stage
    use geartrain_continuation_summary, only: band_type, change
    implicit none (type, external)
    private
@@ -133,7 +134,8 @@ contains
       if (.not. allocated(branch%contact_edges)) return
       do k = 1, size(branch%contact_edges)
          associate (edge => branch%contact_edges(k))
-            if (edge%point == i .and. edge%mesh == mesh .and. (edge%back .eqv. back)) located_edge = edge%frequency_ratio
+            if (edge%point == i .and. edge%mesh == mesh .and. (edge%back .eqv. back) .and. edge%stage == no_stage) &
+               located_edge = edge%frequency_ratio
          end associate
       end do
    end function located_edge

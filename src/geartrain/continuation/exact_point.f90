@@ -14,6 +14,7 @@ module geartrain_continuation_exact_point
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_continuation_orbit_tests, only: back_contact, is_onset, outside, separation
    use geartrain_continuation_points, only: repeats_of
+   use geartrain_continuation_stages, only: no_stage, stage_kind
    use geartrain_continuation_refinement, only: cancel_refinement
    use geartrain_floquet_multipliers, only: is_stable, power
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
@@ -74,6 +75,7 @@ contains
       do i = 1, n
          associate (edge => branch%contact_edges(i))
             onsets(i)%kind = merge(back_contact, separation//'  ', edge%back)
+            if (edge%stage /= no_stage) onsets(i)%kind = stage_kind(edge%stage)
             onsets(i)%mesh = edge%mesh
             onsets(i)%point = edge%point
             onsets(i)%frequency_ratio = edge%frequency_ratio

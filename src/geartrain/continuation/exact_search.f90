@@ -7,6 +7,7 @@ module geartrain_continuation_exact_search
    use geartrain_continuation_decided, only: nearest_decided
    use geartrain_continuation_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type
    use geartrain_continuation_orbit_tests, only: back_contact, choose_test, critical, is_onset, outside
+   use geartrain_continuation_stages, only: stage_of
    use geartrain_linalg_cubic, only: share_at, value_on
    use geartrain_model_equal_branches, only: equal_branches_type, find_equal_branches
    use geartrain_model_system, only: system_type
@@ -47,6 +48,7 @@ contains
       corrector%watched_mesh = 0
       if (is_onset(special%kind)) corrector%watched_mesh = special%mesh
       corrector%watches_back = special%kind == back_contact
+      corrector%watched_stage = stage_of(special%kind)
       if (found) call corrector%correct(start, found)
       if (.not. found) return
       call search(corrector, start, special%kind, special%multiplicity, sense_of(branch, special, change), exact, found)
