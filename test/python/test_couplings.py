@@ -1,5 +1,6 @@
 """Couplings: closed forms, shafts and gear pairs that are the same, and equations of their own by SciPy."""
 
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -37,21 +38,21 @@ def middle_of(coupling):
     return float(np.interp(0.0, y, x))
 
 
-def rotor(torque, **coupling):
+def rotor(load, **coupling):
     """A rotor on a coupling to a housing."""
     return gt.Train(
         characteristic_length=LENGTH, characteristic_frequency=RATE,
-        bodies=[gt.Body(name="rotor", inertia=0.02, torque=torque), gt.Body(name="housing", held=True)],
+        bodies=[gt.Body(name="rotor", inertia=0.02, torque=load), gt.Body(name="housing", held=True)],
         couplings=[gt.Coupling(between=("rotor", "housing"), **coupling)],
     )
 
 
-def driveline(couplings=1, **given):
+def driveline(couplings=1, swing=25.0, **given):
     """An engine that turns unevenly, couplings, a gear pair, a vehicle."""
     names = ["engine", *(f"hub {number}" for number in range(1, couplings)), "pinion"]
     return gt.Train(
         characteristic_length=LENGTH, characteristic_frequency=RATE,
-        bodies=[gt.Body(name="engine", inertia=0.1, torque=30.0, torque_cos=[25.0]),
+        bodies=[gt.Body(name="engine", inertia=0.1, torque=30.0, torque_cos=[swing]),
                 *(gt.Body(name=name, inertia=0.004) for name in names[1:]), gt.Body(name="wheel", inertia=0.06, balances=True)],
         couplings=[gt.Coupling(between=ends, **given) for ends in pairwise(names)],
         meshes=[gt.Mesh(between=("pinion", "wheel"), driving_radius=0.03, driven_radius=0.08, stiffness=5e7, damping_ratio=0.1,
@@ -101,7 +102,7 @@ def test_free_oscillation(law):
         half += quad(slowness, 0, np.pi, args=((a + b) / 2, (b - a) / 2), limit=400, epsabs=1e-13, epsrel=1e-11)[0]
     state = np.array([(far - middle) * PER_TWIST, 0.0])
     frequency = 2 * np.pi / (2 * half) / RATE
-    motion = replace(from_state(state, 1, 2), frequency=frequency, train=train)
+    motion = replace(from_state(state, 1, 2), frequency=frequency, train=train, coefficients=np.zeros((1, 1)))
     path = motion.trajectory(3)
     per_period = len(path.time) // 3
     error = np.abs(path.displacement[[per_period, 2 * per_period], 0] - state[0]) / state[0]
@@ -232,6 +233,7 @@ def random_coupling(rng, between, centred):
         rest = rng.integers(1, stages - 1)
         y[rest + 1:] -= y[rest + 1] - y[rest]
         y -= y[rest]
+        y[rest:rest + 2] = 0.0
     coupling = gt.Coupling(between=between, angle=x.tolist(), torque=y.tolist(), damping=float(rng.uniform(0.3, 1.0)))
     shift = middle_of(coupling) if centred else x[rest] - 0.003
     return replace(coupling, angle=(x - shift).tolist())
@@ -319,10 +321,11 @@ def test_stage_reached():
 
 
 def test_parameters():
-    train = driveline(stiffness=3.0e3, damping=0.8, half_play=0.004)
-    path = train.continuation(parameter="coupling 1 half_play", start=0.002, stop=0.006, frequency=0.25, harmonics=16)
+    train = driveline(swing=80.0, stiffness=3.0e3, damping=0.8, half_play=0.004)
+    path = train.continuation(parameter="coupling 1 half_play", start=0.002, stop=0.006, frequency=0.48, harmonics=16)
     assert path.ended.startswith("reached") and path.parameter[-1] == pytest.approx(0.006)
-    motion = train.response(start=0.24, stop=0.26, harmonics=20).at(0.25)[0]
+    motion = train.response(start=0.47, stop=0.49, harmonics=20).at(0.48)[0]
+    assert motion.separation_fraction[1] > 0.05
     names = ["coupling 1 stiffness", "coupling 1 half_play", "coupling * damping"]
     slopes = motion.gradient("rms", names)
     for place, (name, value) in enumerate(zip(names, (3.0e3, 0.004, 0.8))):
@@ -330,7 +333,7 @@ def test_parameters():
         sides = []
         for sign in (1, -1):
             other = replace(train, couplings=[replace(train.couplings[0], **{name.split()[-1]: value + sign * step})])
-            sides.append(other.response(start=0.24, stop=0.26, harmonics=20).at(0.25)[0].rms)
+            sides.append(other.response(start=0.47, stop=0.49, harmonics=20).at(0.48)[0].rms)
         assert slopes[:, place] == pytest.approx((sides[0] - sides[1]) / (2 * step), rel=1e-4)
     by_corner = driveline(damping=0.8, **BENT)
     motion = by_corner.response(start=0.24, stop=0.26, harmonics=20).at(0.25)[0]
@@ -345,7 +348,7 @@ def test_files_and_pictures(tmp_path):
     read = gt.read_results(path)
     assert read.response.coupling_torque_maximum.shape == (len(branch), 2)
     assert (read.response.coupling_torque_maximum == branch.coupling_torque_maximum).all()
-    assert read.response.train.couplings == train.couplings
+    assert [coupling.torque for coupling in read.response.train.couplings] == [tuple(STAGES["torque"])] * 2
     assert train.mesh_labels == ("pinion - wheel", "engine - hub 1", "hub 1 - pinion")
     assert train.explain()["coupling 1"]["mean_torque"] == pytest.approx(30.0)
     assert train.explain()["coupling 2"]["half_play"] == pytest.approx(0.004)
@@ -373,16 +376,16 @@ def test_gears_of_the_drawing():
     )
     branch = alone.response(start=300.0, stop=320.0, unit="rpm", harmonics=16)
     assert branch.speed[0] == pytest.approx(300.0)
-    assert branch.fundamental_frequency[0] == pytest.approx(10.0)  # two impulses a turn
+    assert branch.fundamental_frequency[0] == pytest.approx(5.0)  # a turn
 
 
 # What is refused
 
 
 @pytest.mark.parametrize("given, told", [
-    ({}, "stiffness must be given, > 0 N m/rad or angle and torque"),
+    ({}, "lacks stiffness (> 0 N m/rad) or angle and torque"),
     ({"stiffness": 100.0, **BENT}, "contradicts angle and torque"),
-    ({"angle": [0.0, 1.0]}, "torque must be given"),
+    ({"angle": [0.0, 1.0]}, "lacks torque"),
     ({"angle": [0.0, 1.0, 2.0], "torque": [-1.0, 1.0]}, "must be as many as angle"),
     ({"angle": [-1.0, 1.0, 0.5], "torque": [-1.0, 1.0, 2.0]}, "must be > 1.0, the angle before it"),
     ({"angle": [-1.0, 0.0, 1.0, 2.0], "torque": [-1.0, 2.0, 1.0, 3.0]}, "a load has several rests"),
@@ -390,7 +393,7 @@ def test_gears_of_the_drawing():
     ({"angle": [-1.0, 0.0, 1.0], "torque": [-1.0, 0.0, 0.0]}, "bears a load of either sign"),
 ])
 def test_refusals(given, told):
-    with pytest.raises(gt.InputError, match=told.replace("(", r"\(")):
+    with pytest.raises(gt.InputError, match=re.escape(told)):
         rotor(5.0, **given)
 
 

@@ -149,7 +149,7 @@ contains
    pure logical function is_numbered(group)
       character(*), intent(in) :: group
 
-      is_numbered = group == 'body' .or. group == 'shaft' .or. group == 'mesh' .or. group == 'planetary'
+      is_numbered = group == 'body' .or. group == 'shaft' .or. group == 'mesh' .or. group == 'coupling' .or. group == 'planetary'
    end function is_numbered
 
    !> Label of a group in messages: '&mesh 2', or '&train' where a case has only one group of this name.

@@ -75,12 +75,12 @@ contains
       do n = 1, size(network%elements)
          i = network%elements(n)%mesh
          if (i == 0 .or. size(network%loop, 1) == 0) cycle
-         if (.not. meshes(i)%is_coupling) cycle
+         if (.not. (meshes(i)%is_coupling .and. is_given(meshes(i)%angle))) cycle
          if (n <= network%coordinates) then
             if (.not. any(abs(network%loop(:, n)) > 0)) cycle
          end if
          call find_characteristic(meshes(i)%torsional_stiffness, meshes(i)%half_play, meshes(i)%angle, meshes(i)%torque, found)
-         if (abs(found%middle) <= 1e-12_dp*maxval([abs(meshes(i)%angle), 0.0_dp])) cycle
+         if (abs(found%middle) <= 1e-12_dp*maxval(abs(meshes(i)%angle))) cycle
          call enter_mesh(checker, meshes, i)
          call checker%complain('angle', '...', 'must have the middle of the play, or the torque 0, at the angle 0, not at '// &
             real_text(found%middle)//' rad: the coupling is part of a loop, which would be strained without load')
