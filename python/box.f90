@@ -23,7 +23,8 @@ module geartrain_python_box
    use geartrain_report_drawing_warnings, only: warnings_text
    use geartrain_report_explain, only: explain_train, explanation_text
    use geartrain_network_frequency_unit, only: hertz_per_lambda, speed_per_lambda
-   use geartrain_train_labels, only: body_labels, mesh_labels, planet_labels, shaft_labels
+   use geartrain_network_load_sharing, only: planet_labels
+   use geartrain_train_labels, only: body_labels, mesh_labels, shaft_labels
    use geartrain_network_parameter_path, only: give_variation
    use geartrain_train_train, only: train_type
    use geartrain_python_taker, only: taker_type
@@ -308,6 +309,7 @@ contains
             fields%way = reading
             call fields%expect('mesh', size(box%case%train%meshes))
             call fields%expect('shaft', size(box%case%train%shafts))
+            call fields%expect('coupling', count(box%case%train%meshes%is_coupling))
             n = 0
             if (fields%enter('/motions', '', .true.)) call fields%index_axis('motion', n, '')
             allocate (box%motions(n))

@@ -7,7 +7,7 @@ module unit_long_period
    use geartrain_balance_products, only: sparse_product, toeplitz
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_network_nearby_orders, only: find_nearby_orders
+   use geartrain_train_nearby_orders, only: find_nearby_orders
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_mesh, only: mesh_type, put_law
    use testing, only: tests_type

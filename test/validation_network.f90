@@ -349,7 +349,7 @@ contains
                                  turns = "&mesh between = 'c', 'a', driving_radius = 2.0, driven_radius = 1.0, internal = .true., &
                                          &stiffness = 1e8 /"//n
 
-      call told(head//a//b//c//ab, "x.nml:4:14: error: &body 3: 'c' is joined with 'a' by no shaft and no mesh")
+      call told(head//a//b//c//ab, "x.nml:4:14: error: &body 3: 'c' is joined with 'a' by no shaft, mesh or coupling")
       call told(head//a//b//c//ab//bc//ca, 'x.nml:7:17: error: &mesh 3: these gears lock: there is an odd number of &
                 &external pairs in the loop c - b - a - c')
       call told(head//a//b//c//ab//bc//turns, '')

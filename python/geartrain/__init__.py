@@ -59,7 +59,7 @@ from .results.trajectory import Trajectory
 from .studies.space import Space
 from .studies.study import Study, StudyExplanation, read_study
 from .train import Train
-from .variables import Body, Mesh, Planetary, Shaft
+from .variables import Body, Coupling, Mesh, Planetary, Shaft
 
 __all__ = [
     "Attractors",
@@ -70,6 +70,7 @@ __all__ = [
     "Branch",
     "Campbell",
     "Case",
+    "Coupling",
     "Crossing",
     "DrawingWarning",
     "ExactPoint",

@@ -141,6 +141,18 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "error_mean": Variable("error_mean", "real", "float", 0.0, False, "Constant part of the transmission error, of placement and tooth thickness; positive: towards contact of the drive flanks. It matters in loops of gears alone, as between planets; [m]"),
         "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh has them, else 1; >= 1 and <= 1.0e6, or 0"),
     },
+    "coupling": {
+        "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the two bodies"),
+        "name": Variable("name", "text", "str", "", False, "Label in results; none: by the names of the bodies"),
+        "stiffness": Variable("stiffness", "real", "float", None, False, "Torsional stiffness; else `angle` and `torque; [N m/rad]; > 0"),
+        "half_play": Variable("half_play", "real", "float", 0.0, False, "Half of the play; 0: none; [rad]; >= 0"),
+        "angle": Variable("angle", "reals", "Series", None, False, "In place of stiffness and half_play: twists at the corners of a polygon, whose ends go on; [rad]"),
+        "torque": Variable("torque", "reals", "Series", None, False, "Torques at the corners, ascending; 0 within a play; [N m]"),
+        "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) as of a shaft, with the slope k beside the play on the side of positive torques or, without play, at the torque 0; >= 0"),
+        "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, in place of damping_ratio; [N m s/rad]; >= 0"),
+        "loss_factor": Variable("loss_factor", "real", "float", 0.0, False, "Structural damping, in place of damping_ratio, as of a mesh; >= 0 and <= 2"),
+        "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "Always, or only in contact: no damping within the play; 'always' or 'contact'"),
+    },
     "modes": {},
     "response": {
         "start": Variable("from", "real", "float", None, True, "Frequency, or value of parameter, at which the branch begins"),
@@ -381,6 +393,22 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
+class Coupling(Part, variables=VARIABLES["coupling"]):
+    """A torsional coupling with play or in stages, as a spline or a clutch damper."""
+
+    between: Sequence[str] | None = None
+    name: str | None = None
+    stiffness: float | None = None
+    half_play: float | None = None
+    angle: Series | None = None
+    torque: Series | None = None
+    damping_ratio: float | None = None
+    damping: float | None = None
+    loss_factor: float | None = None
+    damping_acts: Literal["always", "contact"] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class TrainVariables(Part, variables=VARIABLES["train"]):
     """What a train is given by."""
 
@@ -398,6 +426,7 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
     planetaries: Sequence[Planetary] = ()
     shafts: Sequence[Shaft] = ()
     meshes: Sequence[Mesh] = ()
+    couplings: Sequence[Coupling] = ()
 
 
 #: Groups that are parts of the train: the keyword of their list, and their class.
@@ -406,6 +435,7 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
     "planetary": ("planetaries", Planetary),
     "shaft": ("shafts", Shaft),
     "mesh": ("meshes", Mesh),
+    "coupling": ("couplings", Coupling),
 }
 
 #: Analyses that a case may ask for, in their order.

@@ -72,14 +72,14 @@ def case_text(table, fault=None, assignment="", without=""):
     """A whole case, one assignment a line; `assignment` takes the place of the faulty variable's own."""
     groups = dict.fromkeys(variable.group for variable in table)
     lines = []
-    model = ("train", "body", "shaft", "mesh")
+    model = ("train", "body", "shaft", "mesh", "coupling")
     order = ["train", "shaft", "mesh", "shaft", *(group for group in groups if group not in model)]
-    if fault is not None and fault.group == "body":
-        order.insert(1, "body")  # else a chain
+    if fault is not None and fault.group in ("body", "coupling"):
+        order[1:1] = dict.fromkeys(["body", fault.group])  # else a chain
     for number, group in enumerate(order):
         given = {v.name: GIVEN.get(group, {}).get(v.name, "1.0") for v in table if v.group == group and v.required}
         given.update(GIVEN.get(group, {}))
-        faulty = fault is not None and fault.group == group and number != 3
+        faulty = fault is not None and fault.group == group and number != order.index("mesh") + 1
         if faulty or group == without:
             given.pop(fault.name if faulty else "", None)
         lines.append(f"&{group}")
@@ -236,7 +236,7 @@ def test_every_group_given_wrongly(table, tmp_path):
         with pytest.raises(gt.InputError, match=message):
             gt.read_case(path)
 
-    for group in {variable.group for variable in table} - {"body"}:  # there is none in a chain
+    for group in {variable.group for variable in table} - {"body", "coupling"}:  # there is none in a chain
         begin = whole.index(f"&{group}\n")
         end = whole.index("\n/\n", begin) if f"&{group}\n/\n" not in whole else begin + len(group) + 1
         refused(whole[:end] + "\n" + whole[end + 2:], f"&{group}.*has no closing /")
@@ -288,6 +288,9 @@ def call(group, name, value):
         fields = {key: getattr(parts[0], key) for key in kind.__dataclass_fields__}
         parts[0] = kind(**{**fields, name: value})
         return paper_train(**{"meshes" if group == "mesh" else "shafts": parts})
+    if group == "coupling":
+        return gt.Train(characteristic_length=3e-5, characteristic_frequency=9870.0, bodies=[gt.Body(name="x", inertia=1.0)],
+                        couplings=[gt.Coupling(**{name: value})]).natural_frequencies()
     if group == "body":
         body = gt.Body(**{"name": "x", "inertia": 1.0, name: value})
         return gt.Train(characteristic_length=3e-5, characteristic_frequency=9870.0, bodies=[body]).natural_frequencies()

@@ -219,7 +219,7 @@ def test_hardly_damped_modes_are_told(executable, tmp_path):
 
 
 @pytest.mark.parametrize("change, words", [
-    ({"modal_damping": [0.02]}, "modal_damping = 0.02: needs a shaft or mesh without damping of its own"),
+    ({"modal_damping": [0.02]}, "modal_damping = 0.02: needs a shaft, mesh or coupling without damping of its own"),
     ({"modal_damping": [-0.1]}, "modal_damping.*must be >= 0"),
 ])
 def test_trains_that_are_refused(change, words):

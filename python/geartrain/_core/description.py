@@ -101,8 +101,14 @@ class Description(TrainVariables):
 
     @property
     def mesh_labels(self) -> tuple[str, ...]:
-        """Names of the meshes by the bodies that they join, ``'pinion - wheel'``; ``'mesh 1'``, ... in a chain."""
+        """Names of meshes, then couplings, by the bodies that they join, ``'pinion - wheel'``; ``'mesh 1'``, ... in a chain."""
         return tuple(self._outline["mesh"])
+
+    @property
+    def mesh_elements(self) -> tuple[str, ...]:
+        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ..., then ``'coupling 1'``, ..."""
+        return (*(f"mesh {number}" for number in range(1, len(self.meshes) + 1)),
+                *(f"coupling {number}" for number in range(1, len(self.couplings) + 1)))
 
     @property
     def shaft_labels(self) -> tuple[str, ...]:

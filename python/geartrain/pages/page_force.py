@@ -24,7 +24,8 @@ def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
     """Of each mesh: half backlash over the characteristic length, stiffness of both flanks over the phase, damping of the regions.
 
     They are found from the program's own force at made-up motions: at rest on either flank, and moving on a flank and in the gap.
-    With p the displacement, v its derivative by the phase of the fundamental and Lambda the frequency, the force in N is
+    With p the displacement, v its derivative by the phase of the fundamental and Lambda the frequency, the force in N (of a
+    coupling the torque in N m) is
     stiffness(phase) (p -+ half) + damping Lambda v.
 
     Parameters
@@ -41,7 +42,9 @@ def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
     """
     numbers = train.explain()
     length = numbers["train"]["characteristic_length"]
-    half = np.array([numbers[f"mesh {mesh}"].get("half_backlash", 0.0) / length for mesh in range(1, len(train.meshes) + 1)])
+    # The displacement of a coupling is 1 um for 1 mrad.
+    half = np.array([numbers[name].get("half_backlash", 1e-3 * numbers[name].get("half_play", 0.0)) / length
+                     for name in train.mesh_elements])
     samples = min(_SAMPLES * int(max(train._outline["order"])), _MOST)
     phase = 2 * np.pi * np.arange(samples)[:, np.newaxis] / samples
 

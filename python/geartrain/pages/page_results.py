@@ -261,10 +261,11 @@ def _laws(train: Description, branches: Sequence[Any], settled: Sequence[Any]) -
     numbers = train.explain()
     off = []
     for mesh, law in enumerate(laws):
-        sign = -1.0 if numbers[f"mesh {mesh + 1}"].get("mean_force", 0.0) < 0 else 1.0
+        about = numbers[train.mesh_elements[mesh]]
+        sign = -1.0 if about.get("mean_force", about.get("mean_torque", 0.0)) < 0 else 1.0
         if any(largest_difference(law, mesh, sign, *values) > most for most, *values in tried):
             off.append(mesh)
-    words = ", ".join(f"mesh {mesh + 1}" for mesh in off)
+    words = ", ".join(train.mesh_elements[mesh] for mesh in off)
     told = f"The force of {words} over time is not shown: its law is not one that this page can compute." if off else ""
     return [None if mesh in off else law for mesh, law in enumerate(laws)], told
 

@@ -24,7 +24,7 @@ _LONGEST = 10  # columns of bodies in a row
 
 @dataclass(frozen=True)
 class Joint:
-    """A shaft or a mesh: its element, ``'shaft 1'``, and the places of the two bodies in `Description.body_labels`."""
+    """A shaft, a mesh or a coupling: its element, ``'shaft 1'``, and the places of the two bodies in `Description.body_labels`."""
 
     element: str
     ends: tuple[int, int]
@@ -36,12 +36,13 @@ class Joint:
 
 
 def joints_of(train: Description) -> list[Joint]:
-    """The shafts and then the meshes of a train."""
+    """The shafts, then the meshes and the couplings of a train."""
     bodies = train.body_labels
     if not train.bodies:  # a chain: shaft, mesh, shaft, ..., and a body at either end of each
         shafts = [Joint(f"shaft {number + 1}", (2 * number, 2 * number + 1)) for number in range(len(train.shafts))]
         return shafts + [Joint(f"mesh {number + 1}", (2 * number + 1, 2 * number + 2)) for number in range(len(train.meshes))]
-    ends = {"shaft": [shaft.between for shaft in train.shafts], "mesh": [mesh.between for mesh in train.meshes]}
+    ends = {"shaft": [shaft.between for shaft in train.shafts], "mesh": [mesh.between for mesh in train.meshes],
+            "coupling": [coupling.between for coupling in train.couplings]}
     return [
         Joint(f"{kind} {number}", (bodies.index(between[0]), bodies.index(between[1])))
         for kind, joined in ends.items() for number, between in enumerate(joined, 1) if between is not None
@@ -51,7 +52,7 @@ def joints_of(train: Description) -> list[Joint]:
 def carried_by(train: Description) -> list[tuple[int, int]]:
     """Carriers and what rides on them, as places in `Description.body_labels`: gears of their meshes without a shaft, or all."""
     bodies, found = train.body_labels, dict[tuple[int, int], None]()
-    fixed = {name for shaft in train.shafts for name in shaft.between or ()}
+    fixed = {name for joint in (*train.shafts, *train.couplings) for name in joint.between or ()}
     fixed |= {body.name for body in train.bodies or () if body.held and body.name}
     for mesh in train.meshes:
         if mesh.carrier and mesh.between is not None:
@@ -190,7 +191,7 @@ def _words(joint: Joint, train: Description, numbers: Mapping[str, Mapping[str, 
 
 
 def _draw_joint(ax: Axes, joint: Joint, places: Array, sizes: Array, words: str, share: float | None) -> None:
-    """A shaft as a thick line, a mesh as a dotted one; the words stand above the middle of what is seen of it."""
+    """A shaft as a thick line, a mesh as a dotted one, a coupling as a dashed one; the words stand above the middle of it."""
     one, other = joint.ends
     begin, end = places[one], places[other]
     distance = float(np.hypot(*(end - begin)))
@@ -198,7 +199,7 @@ def _draw_joint(ax: Axes, joint: Joint, places: Array, sizes: Array, words: str,
     middle = (begin + sizes[one] * along + end - sizes[other] * along) / 2
     color = "0.45" if share is None else COLORS[3]
     thickness = 3.5 if share is None else 1.0 + 9.0 * share
-    style = (0, (1, 1)) if joint.is_mesh else "-"
+    style = {"mesh": (0, (1, 1)), "coupling": (0, (2.5, 0.8))}.get(joint.element.split()[0], "-")
     ax.plot(*zip(begin, end), color=color, linewidth=thickness, linestyle=style, zorder=1, solid_capstyle="butt")
     if share is not None and share >= 0.005:
         words = f"{joint.element}\n{100 * share:.3g} %"

@@ -99,6 +99,8 @@ class Motion(Pictures):
     load_share, load_share_maximum : ndarray, (planets of all planetary sets,), or None
         Mean and largest force of each planet with the sun (with the ring, without a sun) over the sum of the mean forces of its
         set; nan without load, None without planets.
+    coupling_torque_mean, coupling_torque_minimum, coupling_torque_maximum : ndarray, (couplings,), or None
+        In N m, over the period, positive where the first body of a coupling drives; None without couplings.
     train : Train
         The train that moves so.
     """
@@ -142,6 +144,9 @@ class Motion(Pictures):
     reaction_torque_maximum: Array | None = None
     load_share: Array | None = None
     load_share_maximum: Array | None = None
+    coupling_torque_mean: Array | None = None
+    coupling_torque_minimum: Array | None = None
+    coupling_torque_maximum: Array | None = None
     train: Description | None = field(default=None, repr=False)
 
     @property
@@ -178,7 +183,7 @@ class Motion(Pictures):
 
     @property
     def mesh_force(self) -> Array:
-        """Mesh force in N over one period, or over the window, damping included, (samples, meshes)."""
+        """Mesh force in N, of a coupling torque in N m, over one period or the window, damping included, (samples, meshes)."""
         return self._period[2]
 
     @property
@@ -190,6 +195,11 @@ class Motion(Pictures):
     def reaction_torque(self) -> Array:
         """Torque in N m by which each held body is held, over one period or the window, (samples, held bodies)."""
         return self._period[5]
+
+    @property
+    def coupling_torque(self) -> Array:
+        """Torque of the couplings in N m over one period or the window, (samples, couplings); positive: the first body drives."""
+        return self._period[6]
 
     @cached_property
     def _period(self) -> tuple[Array, ...]:
@@ -253,7 +263,7 @@ class Motion(Pictures):
         own = self.period or periods
         if max(own, periods) * samples >= 2**31:
             raise InputError(f"periods = {periods}: of {samples} samples each, must be below {2**31 // samples}")
-        time, displacement, force, torque, velocity, _ = watched(
+        time, displacement, force, torque, velocity, *_ = watched(
             lambda progress: self._sample(own * samples, 0 if self.period else periods, progress), "trajectory", in_parts=False
         )
         repeated = np.arange(periods * samples) % len(time)
@@ -261,15 +271,17 @@ class Motion(Pictures):
         return Trajectory(times, displacement[repeated], velocity[repeated], force[repeated], torque[repeated], samples)
 
     def _sample(self, samples: int, periods: int = 0, progress: Array | None = None) -> tuple[Array, ...]:
-        """Time, displacement, force, shaft torque, velocity and reaction torque, over a period or periods of the fundamental."""
+        """Time, displacement, force, shaft torque, velocity, reaction and coupling torque, over a period or periods."""
         watch = quiet() if progress is None else progress
         with self._box() as box:
             shafts = len(self.train.shafts) if self.train else 0
             held = sum(bool(body.held) for body in self.train.bodies or ()) if self.train else 0
+            couplings = len(self.train.couplings) if self.train else 0
             time, displacement, velocity, force, torque = fortran.sample_waveform(
-                box.handle, periods, samples, len(self.rms), shafts + held, watch
+                box.handle, periods, samples, len(self.rms), shafts + held + couplings, watch
             )
-            return time, displacement, force, torque[:, :shafts], velocity, torque[:, shafts:]
+            shaft, reaction, coupling = np.split(torque, [shafts, shafts + held], axis=1)
+            return time, displacement, force, shaft, velocity, reaction, coupling
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.

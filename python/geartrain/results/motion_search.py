@@ -338,6 +338,7 @@ def _follow_over_gap(train: Any, frequency: float, known: _Known, motion: Motion
 def _gaps(train: Any) -> list[str]:
     """Names of the gaps of the meshes that have one."""
     names = [f"mesh {mesh} {name}" for mesh in range(1, len(train.meshes) + 1) for name in ("half_backlash", "backlash")]
+    names += [f"coupling {number} half_play" for number in range(1, len(train.couplings) + 1)]
     return [name for name in names if value_in(train, name)]
 
 
@@ -360,7 +361,10 @@ def _multipliers_at_infinity(train: Any, frequency: float) -> NDArray[np.complex
     """Those of the train without backlash; None where the train is not linear at large amplitude either."""
     if any(mesh.back_phase or mesh.back_stiffness not in (None, mesh.stiffness) for mesh in train.meshes):
         return None
-    linear = replace(train, meshes=[replace(mesh, half_backlash=0.0, backlash=0.0) for mesh in train.meshes])
+    if any(coupling.angle for coupling in train.couplings):
+        return None
+    linear = replace(train, meshes=[replace(mesh, half_backlash=0.0, backlash=0.0) for mesh in train.meshes],
+                     couplings=[replace(coupling, half_play=0.0) for coupling in train.couplings])
     branch = linear.response(start=frequency, stop=_NEARBY * frequency, harmonics=0, tolerance=_ROUGH, amplitude_limit=1e15)
     multipliers: NDArray[np.complex128] | None = branch.multipliers
     return None if multipliers is None else multipliers[0]

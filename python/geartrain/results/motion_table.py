@@ -13,7 +13,7 @@ from .._core.dataset import dataset
 from .._core.description import mesh_names, planet_names, shaft_names
 from .._core.units import hertz_of, speed_of
 from ..errors import InputError
-from .motion_check import NUMBERS, SHARES, TORQUES, UNCERTAINTIES, VALUES, check_motion
+from .motion_check import NUMBERS, OTHER_TORQUES, SHARES, TORQUES, UNCERTAINTIES, VALUES, check_motion
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -44,7 +44,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
     assessed = bool(row.get("assessed", False))
     return {
         **{name: row.get(name, nothing) for name in VALUES},
-        **{name: row.get(name) for name in (*TORQUES, *SHARES)},
+        **{name: row.get(name) for name in (*TORQUES, *OTHER_TORQUES, *SHARES)},
         **{name: None if row.get(name) is None or np.isnan(row[name]).all() else row[name] for name in UNCERTAINTIES},
         "window": float(np.nan_to_num(row.get("window", 0.0))),
         **{name: float(row.get(name, np.nan)) for name in ("frequency", *NUMBERS)},
@@ -61,7 +61,7 @@ def _motion(group: Group, place: int) -> dict[str, Any]:
 
 
 _FIELDS = {
-    *VALUES, *TORQUES, *SHARES, *UNCERTAINTIES, *NUMBERS, "window",
+    *VALUES, *TORQUES, *OTHER_TORQUES, *SHARES, *UNCERTAINTIES, *NUMBERS, "window",
     *("frequency", "period", "kind", "coefficients", "stable", "undecided", "floating", "multipliers", "initial_state"),
     *("assessed", "assessed_stable", "assessed_undecided"),
 }

@@ -20,7 +20,7 @@ def named_orders(train: Description) -> dict[float, str]:
     Empty where all meshes have the order 1 and the speed is not known: each order is a multiple of the fundamental then.
     """
     meshes: dict[int, str] = {}
-    for number, order in enumerate(map(int, train._outline["order"]), 1):
+    for number, order in enumerate(map(int, train._outline["order"][:len(train.meshes)]), 1):
         meshes[order] = f"{meshes[order]}, {number}" if order in meshes else f"mesh {number}"
     if meshes.keys() == {1} and not train._outline["speed"]:
         return {}

@@ -63,7 +63,7 @@ class RunUp(Table):
     displacement : ndarray, (samples, meshes)
         Over the characteristic length.
     mesh_force : ndarray, (samples, meshes)
-        [N], damping and the acceleration of the inertias included.
+        [N], of a coupling the torque [N m], damping and the acceleration of the inertias included.
     shaft_torque : ndarray, (samples, shafts)
         [N m], damping, static torque and the acceleration of the inertias included; NaN where rigid shafts side by side leave
         it undetermined.
@@ -119,6 +119,11 @@ class RunUp(Table):
 
     def __repr__(self) -> str:
         return f"<RunUp over {self.time[-1]:.6g} s, {len(self.time)} samples: {in_own_unit(self.ended, self.train)}>"
+
+    @property
+    def coupling_torque(self) -> Array:
+        """Torque of the couplings [N m], (samples, couplings): the last of ``mesh_force``."""
+        return self.mesh_force[:, len(self.train.meshes):] if self.train else self.mesh_force[:, :0]
 
     def to_dataset(self) -> Dataset:
         """The run-up as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""

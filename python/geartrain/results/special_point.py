@@ -29,7 +29,7 @@ class SpecialPoint:
     kind : str
         ``'fold'``, ``'period doubling'``, ``'neimark-sacker'`` or ``'branch point'``; on a branch of long period without
         multipliers ``'stability change'``, where the growth rate passes 0; of a contact onset ``'separation'`` or
-        ``'back contact'``.
+        ``'back contact'``, of a coupling also ``'stage 2 reached'``: stages count from the play, or from the lowest torque on.
     frequency : float
         Lambda.
     point : int

@@ -31,7 +31,7 @@ module geartrain_analyses_attractors
    use geartrain_network_system, only: build_system, system_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, in_width
    use geartrain_readings_length_text, only: length_text, length_text_type
-   use geartrain_report_planet_loads, only: say_orbits
+   use geartrain_analyses_planet_loads, only: say_orbits
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private

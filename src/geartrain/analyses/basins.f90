@@ -33,7 +33,7 @@ module geartrain_analyses_basins
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
    use geartrain_network_units, only: mesh_frequencies
-   use geartrain_report_planet_loads, only: say_orbits
+   use geartrain_analyses_planet_loads, only: say_orbits
    use geartrain_base_sheet, only: in_quality, in_result, sheet_type
    use geartrain_analyses_torque_table, only: torque_table_type
    implicit none (type, external)

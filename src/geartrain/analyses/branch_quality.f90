@@ -20,9 +20,11 @@ module geartrain_analyses_branch_quality
 contains
 
    !> Adds the sentences.
-   subroutine say_quality(branch, name, settings, ends, whole, told, sheet)
+   subroutine say_quality(branch, gears, name, settings, ends, whole, told, sheet)
       !> The branch.
       type(branch_type), intent(in) :: branch
+      !> Number of gear pairs, which come before the couplings.
+      integer, intent(in) :: gears
       !> What it is called, at the beginning of a sentence.
       character(*), intent(in) :: name
       !> What the response asks for.
@@ -48,7 +50,7 @@ contains
             call range_words(between, told, .true., words)
             if (words /= '' .and. any(told%number_differs(between%from, between%to))) call sheet%say(in_quality, &
                name//': not computed at '//words//', which forces, torques and ranges leave out.')
-            call say_pulling(branch, told, sheet)
+            call say_pulling(branch, gears, told, sheet)
          end if
       end if
       call say_end(branch, name, told, sheet)
@@ -123,8 +125,10 @@ contains
    end subroutine say_undecided
 
    !> Adds a sentence for each mesh without backlash whose force changes sign, which no teeth can do.
-   subroutine say_pulling(branch, told, sheet)
+   subroutine say_pulling(branch, gears, told, sheet)
       type(branch_type), intent(in) :: branch
+      !> Number of gear pairs.
+      integer, intent(in) :: gears
       type(frequency_text_type), intent(in) :: told
       type(sheet_type), intent(inout) :: sheet
       character(:), allocatable :: words
@@ -132,7 +136,7 @@ contains
       integer :: mesh, i
 
       associate (n => branch%points)
-         do mesh = 1, branch%meshes
+         do mesh = 1, gears
             ! Without a mean the train is not loaded: that is a linear study.
             pulls = .not. gap_along(branch, mesh) > 0 .and. branch%minimum(mesh, :n) < 0 .and. branch%maximum(mesh, :n) > 0 &
                     .and. abs(branch%mean(mesh, :n)) > 1e-9_dp*branch%rms(mesh, :n)

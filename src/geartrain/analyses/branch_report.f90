@@ -16,7 +16,7 @@ module geartrain_analyses_branch_report
    use geartrain_readings_jump_sentences, only: say_jumps
    use geartrain_readings_range_sentences, only: range_words
    use geartrain_readings_summary, only: band_type, bands_without_stability
-   use geartrain_report_planet_loads, only: say_sharing
+   use geartrain_analyses_planet_loads, only: say_sharing
    use geartrain_trace_branch, only: branch_type, gap_along, response_settings_type
    use geartrain_trace_decided, only: joined
    use geartrain_train_names, only: list_numbers, mesh_names, name_length
@@ -57,7 +57,7 @@ contains
          call say_motions(branch, ends, train, told, .true., sheet, torques)
          if (sheet%verbose) call put_details(branch, 'Response', train, told, sheet)
       end if
-      call say_quality(branch, 'Response', settings, ends, .true., told, sheet)
+      call say_quality(branch, count(.not. train%meshes%is_coupling), 'Response', settings, ends, .true., told, sheet)
    end subroutine report_branch
 
    !> Adds the branches that follow from a response and from attractors.
@@ -106,7 +106,8 @@ contains
                end associate
             end if
             if (sheet%verbose .or. i <= most_branches) call sheet%say(in_result, words//'.')
-            call say_quality(branch, 'Branch '//text(i), settings, ends, .false., told, sheet)
+            call say_quality(branch, count(.not. train%meshes%is_coupling), 'Branch '//text(i), settings, ends, .false., told, &
+                             sheet)
             if (sheet%verbose .and. branch%points > 0) call put_details(branch, words, train, told, sheet)
          end associate
       end do

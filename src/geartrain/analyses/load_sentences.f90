@@ -15,7 +15,7 @@ module geartrain_analyses_load_sentences
 
 contains
 
-   !> Mean force of each mesh [N], negative on the coast flank, (mesh).
+   !> Mean force of each mesh [N], of a coupling mean torque [N m], negative on the coast flank, (mesh).
    function mean_forces(train) result(force)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -23,9 +23,7 @@ contains
       type(system_type) :: system
 
       call build_system(train, system)
-      associate (n => system%mesh_element)
-         force = system%static_force(n)*system%stiffness(n)*system%characteristic_length
-      end associate
+      force = system%static_force(system%mesh_element)*system%load_unit
       where (abs(force) <= least*maxval(abs(force))) force = 0
    end function mean_forces
 
@@ -48,11 +46,11 @@ contains
       type(train_type), intent(in) :: train
       !> The line.
       character(:), allocatable, intent(out) :: words
-      real(dp) :: force(size(train%meshes))
+      real(dp), allocatable :: force(:)
       character(:), allocatable :: balancing, list
       integer :: i, n
 
-      force = mean_forces(train)
+      force = pack(mean_forces(train), .not. train%meshes%is_coupling)
       words = 'Load: '
       if (allocated(train%bodies)) then
          balancing = ''

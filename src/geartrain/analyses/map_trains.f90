@@ -4,6 +4,7 @@ module geartrain_analyses_map_trains
    use geartrain_base_kinds, only: dp
    use geartrain_drawing_drawing, only: drop_drawing, plain_train
    use geartrain_network_parameter_path, only: parameter_path_type
+   use geartrain_train_mesh, only: straighten
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -68,7 +69,7 @@ contains
       end if
       call plain_train(given, train)
       call drop_drawing(train%meshes)
-      train%meshes%half_backlash = 0
+      call straighten(train%meshes)
    end subroutine train_at
 
    !> Whether a parameter may change the stability of the train without backlash: neither gaps nor excitations do, and torques only
@@ -79,9 +80,9 @@ contains
       !> Name of the parameter.
       character(*), intent(in) :: name
 
-      moves = .not. (has_word('half_backlash') .or. has_word('backlash') .or. has_word('torque_cos') .or. has_word('torque_sin') &
-                     .or. has_word('error_cos') .or. has_word('error_sin') .or. has_word('revolution_torque_cos') &
-                     .or. has_word('revolution_torque_sin'))
+      moves = .not. (has_word('half_backlash') .or. has_word('backlash') .or. has_word('half_play') .or. has_word('torque_cos') &
+                     .or. has_word('torque_sin') .or. has_word('error_cos') .or. has_word('error_sin') &
+                     .or. has_word('revolution_torque_cos') .or. has_word('revolution_torque_sin'))
       if (has_word('input_torque') .or. has_word('torque')) moves = any(train%meshes%face_width > 0)
 
    contains

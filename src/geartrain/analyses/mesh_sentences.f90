@@ -49,6 +49,8 @@ contains
          if (.not. shown(i)) cycle
          k = largest(i)
          words = 'M'//trim(names(i)(2:))//': largest force '//significant(load(i, k)%force_maximum)//' N'
+         if (index(names(i), 'coupling') == 1) words = 'C'//trim(names(i)(2:))//': largest torque '// &
+                                                       significant(load(i, k)%force_maximum)//' N m'
          if (error(i)%text /= '') words = words//' ('//error(i)%text//')'
          if (load(i, k)%dynamic_factor >= 0) words = words//', '//significant(load(i, k)%dynamic_factor)//' times the mean,'
          if (load(i, k)%dynamic_factor < 0) words = words//', without a mean force,'

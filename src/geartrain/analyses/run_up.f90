@@ -5,6 +5,7 @@ module geartrain_analyses_run_up
    use geartrain_train_names, only: list_numbers, mesh_names, name_length, shaft_names
    use geartrain_base_sheet, only: in_head, in_quality, in_result, in_run_up, sheet_type
    use geartrain_analyses_torque_table, only: torque_table_type
+   use geartrain_analyses_run_up_pulling, only: say_pulling
    use geartrain_analyses_run_up_start, only: find_start, tell_start
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
@@ -19,11 +20,13 @@ module geartrain_analyses_run_up
    use geartrain_flow_motion_fields, only: about_frequency, about_mesh
    use geartrain_flow_ramp, only: make_ramp, ramp_type
    use geartrain_flow_ramped_flow, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
-   use geartrain_flow_torque_fields, only: about_held, carry_torque
+   use geartrain_flow_torque_fields, only: about_coupling, about_held, carry_torque, coupling_row
    use geartrain_network_check_train, only: check_train
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency
+   use geartrain_train_mesh, only: coupling_radius
+   use geartrain_train_mesh_groups, only: mesh_word
    use geartrain_network_rest, only: largest_residual
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -269,6 +272,8 @@ contains
          n = 0
          if (allocated(train%bodies) .and. result%samples > 0) n = count(train%bodies%held)
          if (fields%has('reaction_torque', n > 0)) call fields%index_axis('held', n, about_held)
+         n = merge(count(train%meshes%is_coupling), 0, result%samples > 0)
+         if (fields%has('coupling_torque', n > 0)) call fields%index_axis('coupling', n, about_coupling)
          n = 0
          if (allocated(result%state)) n = size(result%state)
          call fields%index_axis('coordinate', n, 'displacement of each elastic element of the tree, then velocities')
@@ -278,21 +283,25 @@ contains
          call carry(fields, field('frequency', 'time', '1', about_frequency), result%frequency_ratio)
          call carry(fields, field('displacement', 'time mesh', '1', 'mesh displacement / characteristic_length'), &
                     result%displacement)
-         call carry(fields, field('mesh_force', 'time mesh', 'N', 'total mesh force'), result%mesh_force)
-         call carry_torque(fields, field('shaft_torque', 'time shaft', 'N m', 'total torque of the shaft; NaN for a rigid shaft'), &
-                           field('reaction_torque', 'time held', 'N m', 'torque by which a held body is held', &
-                                 'where a body is held'), result%shaft_torque)
+         call carry(fields, field('mesh_force', 'time mesh', 'N', 'total mesh force; of a coupling the torque, N m'), &
+                    result%mesh_force)
+         call carry_torque(fields, [field('shaft_torque', 'time shaft', 'N m', 'total torque of the shaft; NaN for a rigid &
+                           &shaft'), field('reaction_torque', 'time held', 'N m', 'torque by which a held body is held', &
+                                           'where a body is held'), coupling_row('coupling_torque', 'time', 'total')], &
+                           result%shaft_torque)
          call carry(fields, field('window_time', 'window', 's', 'middle of the window, a cycle of the slowest mesh'), &
                     result%window_time)
          call carry(fields, field('mesh_force_minimum', 'window mesh', 'N', &
                                   'smallest mesh force in the window, also between samples'), result%force_minimum)
          call carry(fields, field('mesh_force_maximum', 'window mesh', 'N', &
                                   'largest mesh force in the window, also between samples'), result%force_maximum)
-         call carry_torque(fields, field('shaft_torque_minimum', 'window shaft', 'N m', smallest), &
+         call carry_torque(fields, [field('shaft_torque_minimum', 'window shaft', 'N m', smallest), &
                            field('reaction_torque_minimum', 'window held', 'N m', smallest, 'where a body is held'), &
+                           coupling_row('coupling_torque_minimum', 'window', 'smallest')], &
                            result%torque_minimum)
-         call carry_torque(fields, field('shaft_torque_maximum', 'window shaft', 'N m', largest), &
+         call carry_torque(fields, [field('shaft_torque_maximum', 'window shaft', 'N m', largest), &
                            field('reaction_torque_maximum', 'window held', 'N m', largest, 'where a body is held'), &
+                           coupling_row('coupling_torque_maximum', 'window', 'largest')], &
                            result%torque_maximum)
          call carry(fields, field('state', 'coordinate', '1', 'state at the end of the last window, ordered as initial_state of a &
                                   &motion'), result%state)
@@ -327,10 +336,15 @@ contains
                         ' of the slowest mesh')
          if (n > 0) then
             at = ramp%start + ramp%acceleration*system%characteristic_frequency*result%window_time(:n)
-            width = max(maxval(len_trim(mesh_names(train))) + 3, maxval([0, len_trim(shaft_names(train))]) + 5)
+            width = max(maxval(len_trim(mesh_names(train))) + 5, maxval([0, len_trim(shaft_names(train))]) + 5)
             call sheet%add(in_run_up, repeat(' ', width)//'     minimum  at '//told%unit(:8)//'   maximum  at '//told%unit)
             names(:size(train%meshes)) = mesh_names(train)
             do i = 1, size(train%meshes)
+               if (train%meshes(i)%is_coupling) then
+                  call put(trim(names(i))//', N m', ' N m', result%force_minimum(i, :n), result%force_maximum(i, :n), &
+                           system%mesh_element(i), coupling_radius)
+                  cycle
+               end if
                call put(trim(names(i))//', N', ' N', result%force_minimum(i, :n), result%force_maximum(i, :n), &
                         system%mesh_element(i), 1.0_dp)
             end do
@@ -347,7 +361,10 @@ contains
          if (abs(ramp%acceleration) > 0 .and. .not. any(abs(system%network%acceleration) > 0)) &
             call sheet%say(in_run_up, 'Without the acceleration of the inertias: not every mesh has teeth, which give the speeds &
                                       &of the bodies.')
-         call say_negative()
+         if (n > 0) then
+            call say_pulling(train, result, steady%static_force(system%mesh_element), n, words)
+            if (words /= '') call sheet%say(in_run_up, words)
+         end if
          if (.not. allocated(result%ended)) then
             call sheet%say(in_quality, 'The run-up is under way.')
             return
@@ -397,11 +414,15 @@ contains
 
          call plain_train(train, plain)
          associate (result => self%result)
-            mesh = maxloc(maxval(max(abs(result%force_minimum(:, :n)), abs(result%force_maximum(:, :n))), 2), 1)
+            ! Torques of couplings are in the table; without gear pairs they are all there is.
+            mesh = maxloc(maxval(max(abs(result%force_minimum(:, :n)), abs(result%force_maximum(:, :n))), 2), 1, &
+                          .not. train%meshes%is_coupling .or. all(train%meshes%is_coupling))
             associate (force => max(abs(result%force_minimum(mesh, :n)), abs(result%force_maximum(mesh, :n))))
                window = maxloc(force, 1)
                call told%with_unit(told%number(at(window)), place)
                words = 'Run-up: largest mesh force '//significant(force(window))//' N, mesh '//text(mesh)//' at '//place
+               if (train%meshes(mesh)%is_coupling) words = 'Run-up: largest torque '//significant(force(window))//' N m, '// &
+                                                           trim(mesh_word(train%meshes, mesh))//' at '//place
             end associate
             associate (gap => plain%meshes%half_backlash/plain%characteristic_length)
                lose = [(any(abs(result%displacement(k, :result%samples)) < gap(k)), k=1, size(lose))]
@@ -409,41 +430,16 @@ contains
             reverse = [(.not. train%shafts(k)%rigid .and. minval(result%torque_minimum(k, :n)) < 0 .and. &
                         maxval(result%torque_maximum(k, :n)) > 0, k=1, size(reverse))]
          end associate
-         call list_numbers(lose, 'mesh', 'meshes', list)
-         if (list == '') list = 'no mesh'
+         call list_numbers(pack(lose, .not. train%meshes%is_coupling), 'mesh', 'meshes', list)
+         call list_numbers(pack(lose, train%meshes%is_coupling), 'coupling', 'couplings', place)
+         if (list /= '' .and. place /= '') place = ' and '//place
+         list = list//place
+         if (list == '') list = trim(merge('no coupling', 'no mesh    ', all(train%meshes%is_coupling)))
          words = words//'; '//list//trim(merge(' loses', ' lose ', count(lose) < 2))//' contact'
          call list_numbers(reverse, 'shaft', 'shafts', list)
          if (list /= '') words = words//'; the torque of '//list//' changes sign'
          call sheet%say(in_result, words//'.')
       end subroutine say_result
-
-      !> Adds a sentence on the first mesh whose force changes its sign though its unloaded flanks do not touch, as far as the
-      !> samples show.
-      subroutine say_negative()
-         type(train_type) :: plain
-         character(:), allocatable :: note
-         logical :: coasts
-         integer :: i
-
-         call plain_train(train, plain)
-         associate (result => self%result, meshes => plain%meshes)
-            do i = 1, merge(size(meshes), 0, n > 0)
-               coasts = steady%static_force(system%mesh_element(i)) < 0
-               if (meshes(i)%half_backlash <= 0) cycle
-               if (.not. coasts .and. minval(result%force_minimum(i, :n)) >= 0) cycle
-               if (coasts .and. maxval(result%force_maximum(i, :n)) <= 0) cycle
-               associate (p => result%displacement(i, :result%samples)*plain%characteristic_length, b => meshes(i)%half_backlash)
-                  if (.not. coasts .and. minval(p) < -b .or. coasts .and. maxval(p) > b) cycle
-               end associate
-               note = ''
-               if (meshes(i)%damping_acts == 'always') &
-                  note = " and while they are apart. With damping_acts = 'contact' in &mesh it acts in contact only"
-               call sheet%say(in_run_up, 'The force of mesh '//text(i)//' changes its sign although the unloaded flanks do not &
-                              &touch: its damping pulls while the teeth separate'//note//'.')
-               return
-            end do
-         end associate
-      end subroutine say_negative
 
    end subroutine report
 

@@ -14,7 +14,7 @@ module geartrain_analyses_sweep_report
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_readings_range_sentences, only: range_words, ranges_of_points
-   use geartrain_report_planet_loads, only: say_sharing
+   use geartrain_analyses_planet_loads, only: say_sharing
    use geartrain_train_names, only: mesh_names, name_length, torque_names
    use geartrain_train_train, only: train_type
    implicit none (type, external)

@@ -59,7 +59,7 @@ contains
       self%of_shafts = index(figure, 'shaft') == 1
       self%of_forces = figure == 'mesh_force_maximum' .or. figure == 'dynamic_factor'
       side = merge(-1, 1, index(figure, 'minimum') > 0)
-      items = merge(balance%system%torque_paths%rows - balance%system%torque_paths%held, balance%system%meshes, self%of_shafts)
+      items = merge(balance%system%torque_paths%shafts, balance%system%meshes, self%of_shafts)
       allocate (self%coefficients(balance%block, items), self%d(balance%block, items), self%places(items), self%side(items))
       allocate (self%d_force(most_places, items))
       self%told = [(self%is_told(balance, j), j=1, items)]
@@ -113,7 +113,7 @@ contains
       do j = 1, balance%system%meshes
          if (.not. self%told(j)) cycle
          associate (system => balance%system, n => balance%system%mesh_element(j), places => self%places(j))
-            unit = system%stiffness(n)*system%characteristic_length
+            unit = system%load_unit(j)
             if (self%figure == 'dynamic_factor') unit = 1/abs(system%static_force(n))
             do i = 1, places%count
                theta = places%theta(i)
@@ -143,7 +143,7 @@ contains
          associate (c => self%coefficients(2:, j), d => self%d(:, j), places => self%places(j))
             if (self%of_forces) then
                associate (system => balance%system, n => balance%system%mesh_element(j))
-                  unit = system%stiffness(n)*system%characteristic_length
+                  unit = system%load_unit(j)
                   if (self%figure == 'dynamic_factor') unit = 1/abs(system%static_force(n))
                end associate
                ! A mesh that never bears and is not damped has no force.
@@ -229,7 +229,7 @@ contains
             call places%add(side*phi(0), theta, s, 0)
          end do
          if (places%count == 0) places%value = side*force(1)
-         if (.not. balance%system%law(mesh)%jumps) return
+         if (.not. balance%system%law(mesh)%peaks) return
          associate (contact => balance%contact(findloc(balance%mesh, mesh, 1)))
             do i = 1, contact%events
                call force_at(balance, self%coefficients(:, mesh), mesh, contact%instant(i), contact%contact(i), s, phi)

@@ -14,7 +14,8 @@ module geartrain_balance_mesh_load
    public :: mesh_load_type, force_reader_type, load_resolution, put_force
 
    type :: mesh_load_type
-      !> Largest mesh force over the period in the direction of the static force [N]; without a static force, in either direction.
+      !> Largest mesh force over the period in the direction of the static force [N], of a coupling the torque [N m]; without a
+      !> static force, in either direction.
       real(dp) :: force_maximum = 0
       !> `force_maximum` over the static (mean) mesh force [1]; negative where there is no static force.
       real(dp) :: dynamic_factor = -1
@@ -116,7 +117,7 @@ contains
          if (system%static_force(n) < 0) load%force_maximum = largest_reversed
          load%dynamic_factor = -1
          if (abs(system%static_force(n)) > 0) load%dynamic_factor = load%force_maximum/abs(system%static_force(n))
-         load%force_maximum = load%force_maximum*system%stiffness(n)*system%characteristic_length
+         load%force_maximum = load%force_maximum*system%load_unit(mesh)
       end associate
    end subroutine put_force
 
@@ -137,7 +138,7 @@ contains
       type(transform_type), intent(inout) :: transform
       !> Gets force_maximum and dynamic_factor.
       type(mesh_load_type), intent(inout) :: load
-      !> Contact of the mesh at this motion; needed where its force jumps at events.
+      !> Contact of the mesh at this motion; needed where its force may be largest at events.
       type(contact_type), intent(in), optional :: contact
       real(dp) :: rate, largest, reversed, below, above
       real(dp), allocatable :: damping(:)
@@ -170,7 +171,8 @@ contains
    end subroutine read_force
 
    !> Largest value of side*phi [1]: Newton's method on the slope from the highest maxima among the samples, and both sides of every
-   !> event where phi jumps. Where phi does not jump, its kinks at the events of the loaded flank are minima.
+   !> event where phi may be largest there. Without stages, and where phi does not jump, its kinks at the events of the loaded flank
+   !> are minima.
    pure real(dp) function top(force, side, u, harmonic, law, eta, frequency_ratio, contact)
       real(dp), intent(in) :: force(:), u(:), frequency_ratio
       integer, intent(in) :: side, harmonic(:), eta

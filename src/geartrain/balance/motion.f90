@@ -31,11 +31,11 @@ module geartrain_balance_motion
       real(dp), allocatable :: rms(:), mean(:), minimum(:), maximum(:)
       !> Largest force, dynamic factor, shares of separation and back contact, (mesh).
       type(mesh_load_type), allocatable :: mesh_load(:)
-      !> Torque of each shaft, then of what holds each held body, over the period [N m], (shaft, then held body): mean and extremes;
-      !> NaN where nothing determines it. Not allocated: not computed.
+      !> Torque of each shaft, then of what holds each held body, then of each coupling, over the period [N m], (shaft, then held
+      !> body, then coupling): mean and extremes; NaN where nothing determines it. Not allocated: not computed.
       real(dp), allocatable :: shaft_torque_mean(:), shaft_torque_minimum(:), shaft_torque_maximum(:)
-      !> Number of held bodies, at the end of these lists.
-      integer :: held = 0
+      !> Numbers of held bodies and of couplings in these lists.
+      integer :: held = 0, couplings = 0
       !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet); not allocated:
       !> no planets.
       real(dp), allocatable :: load_share(:), load_share_maximum(:)

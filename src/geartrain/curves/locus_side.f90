@@ -132,7 +132,7 @@ contains
                if (beyond /= '') return
                side%end_kind = 'corner'
                call find_grazing_mesh(augmented, here, k)
-               side%ended = 'a corner: mesh '//text(k)//' grazes a wall of its gap at Lambda = '// &
+               side%ended = 'a corner: '//trim(augmented%system%mesh_name(k))//' grazes a wall of its gap at Lambda = '// &
                             text(here%frequency_ratio)//', parameter = '//text(augmented%origin + augmented%scale*here%parameter)
                return
             end if

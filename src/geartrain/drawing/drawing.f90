@@ -11,7 +11,7 @@ module geartrain_drawing_drawing
    use geartrain_train_bodies, only: find_ends
    use geartrain_train_body, only: body_type
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
-   use geartrain_train_mesh, only: has_table, is_given, mesh_type, plain_mesh
+   use geartrain_train_mesh, only: has_table, is_given, mesh_type, plain_coupling, plain_mesh
    use geartrain_train_shaft, only: shaft_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -44,7 +44,11 @@ contains
             plain%shafts(i)%stiffness = section_stiffness(train%shafts(i))
       end do
       do i = 1, size(train%meshes)
-         call put_pair(train%meshes(i), plain%meshes(i))
+         if (train%meshes(i)%is_coupling) then
+            call plain_coupling(plain%meshes(i))
+         else
+            call put_pair(train%meshes(i), plain%meshes(i))
+         end if
       end do
    end subroutine plain_train
 
@@ -83,6 +87,9 @@ contains
          if (.not. abs(train%characteristic_length) > 0) plain%characteristic_length = 1e-6_dp
       end if
       where (plain%meshes%order == 0) plain%meshes%order = 1
+      ! A coupling excites nothing: its order is one that there is.
+      if (any(.not. plain%meshes%is_coupling)) &
+         where (plain%meshes%is_coupling) plain%meshes%order = minval(plain%meshes%order, .not. plain%meshes%is_coupling)
    end subroutine put_orders
 
    !> Sets radii, half backlash, stiffness and harmonics of a mesh.

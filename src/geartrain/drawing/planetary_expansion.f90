@@ -18,9 +18,9 @@ module geartrain_drawing_planetary_expansion
 
    !> Where the bodies and meshes of an expanded train come from.
    type :: expansion_type
-      !> Number of the planetary set of each body and each mesh, 0: as given, (body), (mesh).
+      !> Number of the planetary set of each body and each gear pair, 0: as given, (body), (mesh).
       integer, allocatable :: set_of_body(:), set_of_mesh(:)
-      !> Kind of each mesh: `sun_meshes`, `ring_meshes` or 0, (mesh).
+      !> Kind of each gear pair: `sun_meshes`, `ring_meshes` or 0, (mesh).
       integer, allocatable :: kind_of_mesh(:)
       !> Whether a set could not be expanded.
       logical :: failed = .false.
@@ -61,7 +61,8 @@ contains
       if (allocated(train%bodies)) allocate (expansion%set_of_body(size(train%bodies)), source=0)
       if (.not. allocated(train%meshes)) allocate (train%meshes(0))
       if (.not. allocated(train%shafts)) allocate (train%shafts(0))
-      allocate (expansion%set_of_mesh(size(train%meshes)), expansion%kind_of_mesh(size(train%meshes)), source=0)
+      allocate (expansion%set_of_mesh(count(.not. train%meshes%is_coupling)), source=0)
+      allocate (expansion%kind_of_mesh(size(expansion%set_of_mesh)), source=0)
       if (.not. allocated(train%planetaries)) return
       call move_alloc(train%planetaries, sets)
       do i = 1, size(sets)
@@ -149,8 +150,10 @@ contains
       real(dp) :: lag
       integer :: n, given
 
-      given = size(train%meshes)
-      meshes(:given) = train%meshes
+      ! Couplings stay the last.
+      given = count(.not. train%meshes%is_coupling)
+      meshes(:given) = train%meshes(:given)
+      meshes(given + numbers%planets + 1:) = train%meshes(given + 1:)
       do n = 1, numbers%planets
          associate (mesh => meshes(given + n))
             mesh = numbers%mesh(kind)

@@ -29,7 +29,7 @@ contains
       call fields%begin_list('onset')
       do i = 1, n
          call fields%visit_item(i)
-         call carry(fields, row('kind', '', '', 'separation or back contact'), onsets(i)%kind)
+         call carry(fields, row('kind', '', '', 'separation, back contact, stage N reached'), onsets(i)%kind)
          call carry(fields, row('mesh', '', '1', 'the mesh'), onsets(i)%mesh)
          call carry_free(branch, fields, onsets(i)%frequency_ratio)
          call carry(fields, row('after_point', '', '1', 'point of the branch before the onset'), onsets(i)%point)

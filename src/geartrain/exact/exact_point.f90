@@ -7,10 +7,14 @@ module geartrain_exact_exact_point
    use geartrain_base_observer, only: observer_type
    use geartrain_exact_augmented_point, only: augmented_point_type, trains_type
    use geartrain_exact_augmented_system, only: augmented_system_type
+   use geartrain_trace_branch, only: branch_type, special_point_type
+   use geartrain_trace_decided, only: joined
    use geartrain_exact_exact_search, only: change_at, find_exact
    use geartrain_exact_normal_form, only: degenerate, doubling_coefficient, neimark_sacker_coefficient
    use geartrain_exact_orbit_corrector, only: orbit_corrector_type, orbit_type
    use geartrain_exact_orbit_tests, only: back_contact, is_onset, outside, separation
+   use geartrain_trace_points, only: repeats_of
+   use geartrain_trace_stages, only: no_stage, stage_kind
    use geartrain_exact_refinement, only: cancel_refinement
    use geartrain_floquet_multipliers, only: is_stable, power
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
@@ -19,9 +23,6 @@ module geartrain_exact_exact_point
    use geartrain_network_check_train, only: check_train
    use geartrain_network_long_period, only: refuse_long_period
    use geartrain_network_system, only: build_system, system_type
-   use geartrain_trace_branch, only: branch_type, special_point_type
-   use geartrain_trace_decided, only: joined
-   use geartrain_trace_points, only: repeats_of
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -74,6 +75,7 @@ contains
       do i = 1, n
          associate (edge => branch%contact_edges(i))
             onsets(i)%kind = merge(back_contact, separation//'  ', edge%back)
+            if (edge%stage /= no_stage) onsets(i)%kind = stage_kind(edge%stage)
             onsets(i)%mesh = edge%mesh
             onsets(i)%point = edge%point
             onsets(i)%frequency_ratio = edge%frequency_ratio

@@ -10,6 +10,7 @@ module geartrain_exact_exact_search
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: branch_type, coefficients_of, multipliers_at, special_point_type
    use geartrain_trace_decided, only: nearest_decided
+   use geartrain_trace_stages, only: stage_of
    implicit none (type, external)
    private
    public :: change_at, ends_of, find_exact, guess_from_point, neighbours
@@ -47,6 +48,7 @@ contains
       corrector%watched_mesh = 0
       if (is_onset(special%kind)) corrector%watched_mesh = special%mesh
       corrector%watches_back = special%kind == back_contact
+      corrector%watched_stage = stage_of(special%kind)
       if (found) call corrector%correct(start, found)
       if (.not. found) return
       call search(corrector, start, special%kind, special%multiplicity, sense_of(branch, special, change), exact, found)

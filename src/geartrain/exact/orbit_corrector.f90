@@ -4,6 +4,7 @@ module geartrain_exact_orbit_corrector
    use geartrain_balance_repetition, only: take_one
    use geartrain_base_kinds, only: dp
    use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_trace_stages, only: depth_of_stage, no_stage
    use geartrain_network_divide_orders, only: divide_orders
    use geartrain_network_units, only: units_of, units_type
    use geartrain_floquet_multipliers, only: eigenvalues
@@ -50,6 +51,8 @@ module geartrain_exact_orbit_corrector
       !> Number of the mesh whose contact is watched, 0: none; whether its back flanks are, else its separation.
       integer :: watched_mesh = 0
       logical :: watches_back = .false.
+      !> Number of the stage that is watched in place of both, `no_stage`: none.
+      integer :: watched_stage = no_stage
       !> Units of the metric.
       type(units_type) :: units
       !> Sections for shooting at constant Lambda, and for shooting along the branch.
@@ -177,6 +180,7 @@ contains
       !> Newton's method has converged.
       logical, intent(out) :: success
       real(dp) :: tangent(size(orbit%states, 1), size(orbit%states, 2)), tangent_frequency, length, last
+      real(dp) :: smallest, largest
 
       call find_orbit_in_sections(self%moving, orbit%frequency_ratio, orbit%states, last, success, self%weight*orbit%tangent, &
                       orbit%tangent_frequency/self%units%frequency_ratio**2, tangent, tangent_frequency)
@@ -186,6 +190,11 @@ contains
       orbit%tangent_frequency = tangent_frequency/length
       call self%find_multipliers(self%moving, orbit)
       if (self%watched_mesh == 0) return
+      if (self%watched_stage /= no_stage) then
+         call self%moving%extremes(orbit%frequency_ratio, orbit%states, self%watched_mesh, smallest, largest)
+         orbit%depth = depth_of_stage(self%system, self%watched_mesh, self%watched_stage, smallest, largest)
+         return
+      end if
       orbit%depth = depth_of(self%moving, orbit%frequency_ratio, orbit%states, self%watched_mesh, &
                              self%system%half_backlash(self%watched_mesh), self%watches_back)
    end subroutine correct

@@ -3,11 +3,12 @@ module geartrain_exact_orbit_tests
    use geartrain_base_kinds, only: dp
    use geartrain_exact_orbit_corrector, only: orbit_test_type, orbit_type
    use geartrain_floquet_multipliers, only: side_of_fold
+   use geartrain_trace_stages, only: no_stage, stage_of
    implicit none (type, external)
    private
    public :: back_contact, choose_test, critical, fold_test_type, is_onset, outside, separation
 
-   !> Kinds of contact onsets: a mesh begins to separate, its back flanks begin to touch.
+   !> Kinds of contact onsets: a mesh begins to separate, its back flanks begin to touch; `stage_kind` has the third.
    character(*), parameter :: separation = 'separation', back_contact = 'back contact'
    !> A multiplier is outside the unit circle if its magnitude is larger than 1 + neutral; a part of Lambda in the unit tangent
    !> below `level`, in the unit of Lambda of the metric, counts as 0.
@@ -140,7 +141,7 @@ contains
       !> Kind of a special point.
       character(*), intent(in) :: kind
 
-      is_onset = kind == separation .or. kind == back_contact
+      is_onset = kind == separation .or. kind == back_contact .or. stage_of(kind) /= no_stage
    end function is_onset
 
    !> Allocates the test function of the kind if it changes sign between two orbits.
@@ -155,9 +156,12 @@ contains
       type(orbit_type), intent(in) :: first, last
       !> The test function; not allocated where it does not change sign.
       class(orbit_test_type), allocatable, intent(out) :: test
+      character(len(kind) + len(separation)) :: word
       integer :: pairs(2), side
       logical :: changes
 
+      word = kind
+      if (is_onset(kind)) word = separation
       changes = .true.
       if (multiplicity > 1 .and. (kind == 'branch point' .or. kind == 'period doubling')) then
          side = merge(1, -1, kind == 'branch point')
@@ -166,7 +170,7 @@ contains
                   first=maxval(pairs) - multiplicity + 1, last=maxval(pairs)))
          changes = abs(pairs(1) - pairs(2)) == multiplicity
       else
-         select case (kind)
+         select case (word)
          case ('fold')
             allocate (fold_test_type :: test)
             ! On a vertical curve the sign of the part of Lambda is rounding.
@@ -177,7 +181,7 @@ contains
             pairs = [pairs_outside(first%multipliers), pairs_outside(last%multipliers)]
             allocate (test, source=neimark_sacker_test_type(pair=maxval(pairs)))
             changes = pairs(1) /= pairs(2)
-         case (separation, back_contact)
+         case (separation)
             allocate (onset_test_type :: test)
          case default
             allocate (test, source=branching_test_type(singular=.true.))

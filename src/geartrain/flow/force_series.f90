@@ -8,7 +8,7 @@ module geartrain_flow_force_series
 
 contains
 
-   !> Taylor coefficients of the force of a mesh over the latest step [N].
+   !> Taylor coefficients of the force of a mesh over the latest step [N], of the torque of a coupling [N m].
    pure subroutine force_series(flow, mesh, region, force)
       !> The flow, after a step.
       type(flow_type), intent(in) :: flow
@@ -32,7 +32,7 @@ contains
             force = force + law%stiffness(region)*stretch
          end if
       end associate
-      force = flow%system%stiffness(n)*flow%system%characteristic_length*force
+      force = flow%system%load_unit(mesh)*force
    end subroutine force_series
 
    !> Integral of the force of a mesh over the latest step, by time times characteristic frequency [N].

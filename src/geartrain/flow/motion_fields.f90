@@ -8,7 +8,7 @@ module geartrain_flow_motion_fields
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
    use geartrain_flow_load_share_fields, only: about_planet, carry_shares
-   use geartrain_flow_torque_fields, only: about_held, carry_torque
+   use geartrain_flow_torque_fields, only: about_coupling, about_held, carry_torque, coupling_row
    implicit none (type, external)
    private
    public :: carry_loads, coefficient_axis, visit_motions
@@ -17,7 +17,8 @@ module geartrain_flow_motion_fields
 
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
-   character(*), parameter :: about_mesh = 'mesh, in the order of the train', about_shaft = 'shaft, in the order of the train'
+   character(*), parameter :: about_mesh = 'mesh, in the order of the train; then couplings, with 1 um for 1 mrad of &
+      &twist', about_shaft = 'shaft, in the order of the train'
    character(*), parameter :: about_rms = 'rms of the paper, of mesh displacement / characteristic_length: root of the sum of &
       &squared harmonic amplitudes, sqrt(2) times the true AC rms'
    character(*), parameter :: about_true_ac_rms = 'root mean square over time of mesh displacement / characteristic_length without &
@@ -37,7 +38,8 @@ module geartrain_flow_motion_fields
 
    type(row), parameter :: loads(4) = [ &
       row('mesh_force_maximum', 'mesh', 'N', &
-          'largest mesh force over the period in the direction of the static force, damping included', optional=.true.), &
+          'largest mesh force over the period in the direction of the static force, damping included; of a coupling the torque, &
+          &N m', optional=.true.), &
       row('dynamic_factor', 'mesh', '1', 'largest mesh force / static (mean) mesh force; NaN where there is no static force', &
           optional=.true., none_is_negative=.true.), &
       row('separation_fraction', 'mesh', '1', &
@@ -73,7 +75,7 @@ module geartrain_flow_motion_fields
       row('reaction_torque_minimum', 'held', 'N m', 'smallest'//of_reaction, 'where a body is held', optional=.true.), &
       row('reaction_torque_maximum', 'held', 'N m', 'largest'//of_reaction, 'where a body is held', optional=.true.)]
 
-   !> Carries the fields of the torques of shafts and held bodies.
+   !> Carries the fields of the torques of shafts, held bodies and couplings.
    interface carry_torques
       module procedure :: carry_torques_1, carry_torques_2
    end interface carry_torques
@@ -94,7 +96,7 @@ contains
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: none(:)
-      integer :: i, n, meshes, shafts, held, planets, terms, coordinates, states
+      integer :: i, n, meshes, shafts, held, couplings, planets, terms, coordinates, states
       logical :: torques_there, planets_there
 
       n = fields%length_of(along)
@@ -102,6 +104,7 @@ contains
       shafts = 0
       held = 0
       planets = 0
+      couplings = 0
       terms = 0
       coordinates = 0
       states = 0
@@ -115,7 +118,8 @@ contains
             end if
             if (allocated(motions(i)%shaft_torque_mean)) then
                held = motions(i)%held
-               shafts = size(motions(i)%shaft_torque_mean) - held
+               couplings = motions(i)%couplings
+               shafts = size(motions(i)%shaft_torque_mean) - held - couplings
             end if
             if (allocated(motions(i)%load_share)) planets = size(motions(i)%load_share)
             if (allocated(motions(i)%state)) coordinates = max(coordinates, size(motions(i)%state))
@@ -124,11 +128,12 @@ contains
          call coefficient_axis([(i, i=1, terms/2)], fields)
       end if
       call fields%index_axis('mesh', meshes, about_mesh)
-      torques_there = fields%has('shaft_torque_mean', shafts + held > 0)
+      torques_there = fields%has('shaft_torque_mean', shafts + held + couplings > 0)
       if (torques_there) call fields%index_axis('shaft', shafts, about_shaft)
       if (fields%has('reaction_torque_mean', held > 0)) call fields%index_axis('held', held, about_held)
       planets_there = fields%has('load_share', planets > 0)
       if (planets_there) call fields%index_axis('planet', planets, about_planet)
+      if (fields%has('coupling_torque_mean', couplings > 0)) call fields%index_axis('coupling', couplings, about_coupling)
       if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
          'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
          &a body last')
@@ -181,6 +186,7 @@ contains
                                             motion%shaft_torque_maximum)
       if (planets_there) call carry_shares(fields, motion%load_share, motion%load_share_maximum)
       if (fields%way == reading) motion%held = max(0, fields%length_of('held'))
+      if (fields%way == reading) motion%couplings = max(0, fields%length_of('coupling'))
       if (fields%has('rms_uncertainty', allocated(motion%uncertainty%rms))) &
          call carry_uncertainty(fields, motion%uncertainty, torques_there)
       if (fields%has('ringing', motion%ringing >= 0)) &
@@ -245,7 +251,7 @@ contains
 
    contains
 
-      !> Without the reaction torques of held bodies.
+      !> Without the reaction torques of held bodies and the torques of couplings.
       subroutine carry_first(about, values)
          type(row), intent(in) :: about
          real(dp), allocatable, intent(inout) :: values(:)
@@ -278,23 +284,23 @@ contains
       call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/period')
    end subroutine coefficient_axis
 
-   !> Torques of the shafts and held bodies of a motion.
+   !> Torques of the shafts, held bodies and couplings of a motion.
    subroutine carry_torques_1(fields, mean, minimum, maximum)
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
-      !> Torques [N m], (shaft, then held body); not allocated: none.
+      !> Torques [N m], (shaft, then held body, then coupling); not allocated: none.
       real(dp), allocatable, intent(inout) :: mean(:), minimum(:), maximum(:)
 
-      call carry_torque(fields, torques(1), reactions(1), mean)
-      call carry_torque(fields, torques(2), reactions(2), minimum)
-      call carry_torque(fields, torques(3), reactions(3), maximum)
+      call carry_torque(fields, [torques(1), reactions(1), coupling_row('coupling_torque_mean', '', 'mean')], mean)
+      call carry_torque(fields, [torques(2), reactions(2), coupling_row('coupling_torque_minimum', '', 'smallest')], minimum)
+      call carry_torque(fields, [torques(3), reactions(3), coupling_row('coupling_torque_maximum', '', 'largest')], maximum)
    end subroutine carry_torques_1
 
-   !> Torques of the shafts and held bodies at each point of a branch.
+   !> Torques of the shafts, held bodies and couplings at each point of a branch.
    subroutine carry_torques_2(fields, mean, minimum, maximum)
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
-      !> Torques [N m], (shaft, then held body, point); not allocated: none.
+      !> Torques [N m], (shaft, then held body, then coupling, point); not allocated: none.
       real(dp), allocatable, intent(inout) :: mean(:, :), minimum(:, :), maximum(:, :)
       type(row) :: about(3), held(3)
 
@@ -302,9 +308,9 @@ contains
       about%dimensions = 'point shaft'
       held = reactions
       held%dimensions = 'point held'
-      call carry_torque(fields, about(1), held(1), mean)
-      call carry_torque(fields, about(2), held(2), minimum)
-      call carry_torque(fields, about(3), held(3), maximum)
+      call carry_torque(fields, [about(1), held(1), coupling_row('coupling_torque_mean', 'point', 'mean')], mean)
+      call carry_torque(fields, [about(2), held(2), coupling_row('coupling_torque_minimum', 'point', 'smallest')], minimum)
+      call carry_torque(fields, [about(3), held(3), coupling_row('coupling_torque_maximum', 'point', 'largest')], maximum)
    end subroutine carry_torques_2
 
    !> Loads on the meshes of a motion.

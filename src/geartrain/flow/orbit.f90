@@ -294,6 +294,7 @@ contains
       ! Figures of long windows take a second that nobody waits for any more.
       if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
       motion%held = system%torque_paths%held
+      motion%couplings = system%torque_paths%couplings
       motion%shaft_torque_mean = sum(torque, 1)/q
       motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0), j=1, size(torque, 2))]
       motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0), j=1, size(torque, 2))]
@@ -311,7 +312,7 @@ contains
       if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
       allocate (motion%mesh_load(system%meshes))
       do j = 1, system%meshes
-         if (system%law(j)%jumps) then
+         if (system%law(j)%peaks) then
             associate (region => [(system%law(j)%region_at(p(k, j)), k=1, q)])
                largest(:, j) = max(largest(:, j), [peak(force(:, j), motion%window > 0, region), &
                                                       peak(-force(:, j), motion%window > 0, region)])
@@ -358,7 +359,7 @@ contains
       do j = 1, size(torque, 2)
          of_torque(j) = uncertainty_of(torque(:, j))
       end do
-      associate (u => motion%uncertainty, unit => system%stiffness(system%mesh_element)*system%characteristic_length, &
+      associate (u => motion%uncertainty, unit => system%load_unit, &
                  load => system%static_force(system%mesh_element))
          u%rms = of_p%rms
          u%mean = of_p%mean

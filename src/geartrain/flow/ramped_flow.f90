@@ -265,7 +265,9 @@ contains
       associate (system => flow%system, paths => flow%system%torque_paths, length => flow%system%characteristic_length)
          do n = 1, system%elements
             if (system%element_mesh(n) > 0) then
-               force(:, n) = mesh_force(:, system%element_mesh(n))
+               associate (j => system%element_mesh(n))
+                  force(:, n) = system%stiffness(n)*length/system%load_unit(j)*mesh_force(:, j)
+               end associate
             else
                force(:, n) = system%spring(n)*flow%p(1, n, :) + system%damping(n)*flow%v(1, n, :)
                force(0, n) = force(0, n) + system%static_force(n)

@@ -1,4 +1,5 @@
-!> Fields of torques: those of the shafts, and the reaction torques of held bodies, which stand behind them in one array.
+!> Fields of torques: those of the shafts, then the reaction torques of held bodies and the torques of couplings, which stand behind
+!> them in one array.
 module geartrain_flow_torque_fields
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
@@ -6,75 +7,95 @@ module geartrain_flow_torque_fields
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: about_held, carry_torque
+   public :: about_coupling, about_held, carry_torque, coupling_row
 
-   character(*), parameter :: about_held = 'held body, in the order of the train'
+   character(*), parameter :: about_held = 'held body, in the order of the train', about_coupling = 'coupling, in the order of the &
+      &train'
+   character(*), parameter :: dimensions(*) = [character(8) :: 'shaft', 'held', 'coupling']
 
-   !> Carries an array with the torques of the shafts, then of the held bodies, as two fields. The axes `shaft` and, where
-   !> there are held bodies, `held` have been visited.
+   !> Carries an array with the torques of the shafts, then of the held bodies, then of the couplings, as three fields. The axes
+   !> `shaft` and, where there are such, `held` and `coupling` have been visited.
    interface carry_torque
       module procedure :: carry_torque_1, carry_torque_2
    end interface carry_torque
 
 contains
 
-   subroutine carry_torque_1(fields, of_shafts, of_held, values)
+   subroutine carry_torque_1(fields, about, values)
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
-      !> The rows of the two fields.
-      type(row), intent(in) :: of_shafts, of_held
-      !> Torques [N m], (shaft and held body); not allocated: none.
+      !> The rows of the three fields.
+      type(row), intent(in) :: about(3)
+      !> Torques [N m], (shaft, held body and coupling); not allocated: none.
       real(dp), allocatable, intent(inout) :: values(:)
-      real(dp), allocatable :: shafts(:), held(:)
-      integer :: n
+      real(dp), allocatable :: part(:), whole(:)
+      integer :: i, first, n
+      logical :: none
 
-      if (allocated(values) .and. fields%way /= reading) then
-         n = min(size(values), max(0, fields%length_of('shaft')))
-         shafts = values(:n)
-         if (there(fields, 'held')) held = values(n + 1:)
-      end if
-      call carry(fields, of_shafts, shafts)
-      if (there(fields, 'held')) call carry(fields, of_held, held)
+      allocate (whole(0))
+      none = .true.
+      first = 1
+      do i = 1, 3
+         if (.not. there(fields, dimensions(i))) cycle
+         if (allocated(part)) deallocate (part)
+         n = max(0, fields%length_of(dimensions(i)))
+         if (allocated(values) .and. fields%way /= reading) part = values(first:min(size(values), first + n - 1))
+         first = first + n
+         call carry(fields, about(i), part)
+         if (.not. allocated(part)) cycle
+         none = .false.
+         whole = [whole, part]
+      end do
       if (fields%way /= reading .and. fields%way /= arranging) return
-      if (.not. allocated(shafts)) return
-      if (.not. allocated(held)) allocate (held(0))
-      values = [shafts, held]
+      if (.not. none) values = whole
    end subroutine carry_torque_1
 
-   subroutine carry_torque_2(fields, of_shafts, of_held, values)
+   subroutine carry_torque_2(fields, about, values)
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
-      !> The rows of the two fields.
-      type(row), intent(in) :: of_shafts, of_held
-      !> Torques [N m], (shaft and held body, place); not allocated: none.
+      !> The rows of the three fields.
+      type(row), intent(in) :: about(3)
+      !> Torques [N m], (shaft, held body and coupling, place); not allocated: none.
       real(dp), allocatable, intent(inout) :: values(:, :)
-      real(dp), allocatable :: shafts(:, :), held(:, :)
-      integer :: n
+      real(dp), allocatable :: part(:, :), whole(:, :), longer(:, :)
+      integer :: i, first, n
 
-      if (allocated(values) .and. fields%way /= reading) then
-         n = min(size(values, 1), max(0, fields%length_of('shaft')))
-         shafts = values(:n, :)
-         if (there(fields, 'held')) held = values(n + 1:, :)
-      end if
-      call carry(fields, of_shafts, shafts)
-      if (there(fields, 'held')) call carry(fields, of_held, held)
+      first = 1
+      do i = 1, 3
+         if (.not. there(fields, dimensions(i))) cycle
+         if (allocated(part)) deallocate (part)
+         n = max(0, fields%length_of(dimensions(i)))
+         if (allocated(values) .and. fields%way /= reading) part = values(first:min(size(values, 1), first + n - 1), :)
+         first = first + n
+         call carry(fields, about(i), part)
+         if (.not. allocated(part)) cycle
+         if (.not. allocated(whole)) allocate (whole(0, size(part, 2)))
+         call fields%check(size(part, 2) == size(whole, 2), about(i)%name)
+         if (size(part, 2) /= size(whole, 2)) return
+         allocate (longer(size(whole, 1) + size(part, 1), size(part, 2)))
+         longer(:size(whole, 1), :) = whole
+         longer(size(whole, 1) + 1:, :) = part
+         call move_alloc(longer, whole)
+      end do
       if (fields%way /= reading .and. fields%way /= arranging) return
-      if (.not. allocated(shafts)) return
-      if (.not. allocated(held)) allocate (held(0, size(shafts, 2)))
-      call fields%check(size(shafts, 2) == size(held, 2), of_held%name)
-      if (size(shafts, 2) /= size(held, 2)) return
-      if (allocated(values)) deallocate (values)
-      allocate (values(size(shafts, 1) + size(held, 1), size(shafts, 2)))
-      values(:size(shafts, 1), :) = shafts
-      values(size(shafts, 1) + 1:, :) = held
+      if (allocated(whole)) call move_alloc(whole, values)
    end subroutine carry_torque_2
+
+   !> Row of a torque of couplings.
+   pure type(row) function coupling_row(name, along, which) result(about)
+      !> Name of the field; dimension before that of the couplings, blank: none; which torque it is.
+      character(*), intent(in) :: name, along, which
+
+      about = row(name, trim(adjustl(along//' coupling')), 'N m', which//' torque of a coupling', 'with a coupling', &
+                  optional=.true.)
+   end function coupling_row
 
    !> Whether a dimension of torques has places.
    pure logical function there(fields, dimension)
       class(fields_type), intent(in) :: fields
       character(*), intent(in) :: dimension
 
-      there = fields%length_of(dimension) > 0 .or. fields%way == listing
+      there = fields%length_of(dimension) > 0 .or. fields%way == listing .or. dimension == 'shaft'
    end function there
 
 end module geartrain_flow_torque_fields

@@ -59,7 +59,7 @@ contains
       if (present(velocity)) velocity = rate
       if (.not. present(force)) return
       do j = 1, system%meshes
-         force(:, j) = phi(:, j)*system%stiffness(system%mesh_element(j))*system%characteristic_length
+         force(:, j) = phi(:, j)*system%load_unit(j)
       end do
    end subroutine waveform
 

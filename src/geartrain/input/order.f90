@@ -11,8 +11,8 @@ module geartrain_input_order
 
 contains
 
-   !> Checks that &train comes first, then &shaft and &mesh by turns (with &body all, and &planetary, in any order), then the
-   !> analyses and &output, and that no other group is given twice.
+   !> Checks that &train comes first, then &shaft and &mesh by turns (with &body all, &planetary and &coupling too, in any order),
+   !> then the analyses and &output, and that no other group is given twice.
    subroutine check_order(groups, problems)
       !> Groups of the file.
       type(group_type), intent(in) :: groups(:)
@@ -38,7 +38,7 @@ contains
             end if
             if (first(j) == 0) first(j) = group%line
             select case (group%name)
-            case ('body', 'planetary', 'shaft', 'mesh')
+            case ('body', 'planetary', 'shaft', 'mesh', 'coupling')
                call check_turn(group, chain, last, after, problems)
                last = group%name
             case default
@@ -79,6 +79,8 @@ contains
          text = 'stands after &'//after//': the train comes before the analyses'
       else if (.not. chain) then
          return
+      else if (group%name == 'coupling') then
+         text = 'joins bodies by name, but there is no &body'
       else if (last == group%name) then
          text = 'follows '//group_label(last, group%index - 1)//': a &'//trim(merge('mesh ', 'shaft', last == 'shaft'))// &
                 ' must stand between them'

@@ -17,6 +17,8 @@ module geartrain_input_variables
       group_row_type('shaft', 'A shaft. A chain lists &shaft and &mesh in turn from motor to load: shaft, mesh, ..., mesh, &
          &shaft.'), &
       group_row_type('mesh', 'A gear pair. In a chain each &mesh stands between two &shaft.'), &
+      group_row_type('coupling', 'A torsional coupling with play or in stages, as a spline or a clutch damper. In trains with &
+         &bodies only.'), &
       analyses, &
       group_row_type('output', 'Where the results go.')]
 

@@ -29,8 +29,9 @@ module geartrain_mesh_law_law
       !> Whether kappa of the region changes with time; whether the region has a stiffness; whether it has a row in the spectra: it
       !> has a stiffness, or the force jumps, (lowest:highest).
       logical, allocatable :: varies(:), elastic(:), acts(:)
-      !> The force jumps at a wall, because the damping differs between regions.
-      logical :: jumps = .false.
+      !> The force jumps at a wall, because the damping differs between regions; it may be largest at a wall, as where it jumps or
+      !> the law becomes softer.
+      logical :: jumps = .false., peaks = .false.
    contains
       procedure :: begin
       procedure :: complete
@@ -69,7 +70,7 @@ contains
    end subroutine begin
 
    !> Makes the damping of the rows, until now relative to the damping of the mesh, absolute, and derives impulse, varies, acts,
-   !> jumps.
+   !> jumps, peaks.
    pure subroutine complete(self, damping)
       class(law_type), intent(inout) :: self
       !> gamma of the mesh [1].
@@ -87,6 +88,7 @@ contains
       end do
       self%varies(:) = [(any(abs(self%amplitude(:, s)) > 0), s=self%lowest, self%highest)]
       self%jumps = any(abs(self%damping - self%damping(1)) > 0)
+      self%peaks = self%jumps .or. self%highest > 1 .or. self%lowest < -1
       self%elastic(:) = self%stiffness > 0
       self%acts(:) = self%elastic .or. self%jumps
    end subroutine complete
@@ -108,7 +110,7 @@ contains
                if (velocity > 0) region = s + 1
                if (abs(velocity) > 0) return
             end if
-            if (self%wall(s) < 0) region = s + 1
+            if (self%wall(s) <= 0) region = s + 1
             return
          end if
          region = s + 1

@@ -4,6 +4,7 @@ module geartrain_network_check_damping
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_train_mesh, only: is_given
+   use geartrain_train_mesh_groups, only: group_name, group_number
    use geartrain_network_network, only: state_count
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -30,7 +31,8 @@ contains
       end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
-            call check_element('mesh', i, mesh%loss_factor, mesh%damping_ratio, mesh%damping, mesh%damping_given)
+            call check_element(trim(group_name(train%meshes, i)), group_number(train%meshes, i), mesh%loss_factor, &
+                               mesh%damping_ratio, mesh%damping, mesh%damping_given)
          end associate
       end do
       if (.not. is_given(train%modal_damping) .or. checker%problems%of_train()) return
@@ -41,8 +43,8 @@ contains
       else if (all(train%meshes%damping_ratio > 0 .or. train%meshes%damping > 0 .or. train%meshes%loss_factor > 0) .and. &
                all(train%shafts%damping_ratio > 0 .or. train%shafts%damping > 0 .or. train%shafts%loss_factor > 0 .or. &
                    train%shafts%rigid)) then
-         call complain('train', 1, 'modal_damping', train%modal_damping(1), 'needs a shaft or mesh without damping of its own: &
-                       &leave out damping_ratio, damping and loss_factor where modal_damping is to give the damping')
+         call complain('train', 1, 'modal_damping', train%modal_damping(1), 'needs a shaft, mesh or coupling without damping of &
+                       &its own: leave out damping_ratio, damping and loss_factor where modal_damping is to give the damping')
       end if
 
    contains

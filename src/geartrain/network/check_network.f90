@@ -5,7 +5,9 @@ module geartrain_network_check_network
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
+   use geartrain_network_check_coupling, only: check_middles
    use geartrain_network_check_turning, only: check_joints, check_turning
+   use geartrain_train_mesh_groups, only: enter_mesh, group_name
    use geartrain_network_network, only: build_network, network_type
    use geartrain_network_nodes, only: join_rigid, nodes_type
    use geartrain_network_rest, only: largest_residual, rest_forces
@@ -30,7 +32,8 @@ contains
       before = checker%problems%count
       call check_chain_values(train, checker)
       call check_names(train, checker)
-      if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh', 'train', 1, names_group=.true.)
+      if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh and no &coupling', 'train', &
+                                                                1, names_group=.true.)
       if (checker%problems%count > before) return
       ! The checks below need the names; a value that is out of range has been told with its variable.
       call find_ends(train, shaft_ends, mesh_ends)
@@ -62,7 +65,7 @@ contains
       if (is_given(train%torque_sin)) call checker%complain('torque_sin', '...', cure)
       call checker%leave()
       do i = 1, size(train%meshes)
-         call checker%enter('mesh', i)
+         call enter_mesh(checker, train%meshes, i)
          associate (mesh => train%meshes(i))
             if (abs(mesh%driving_inertia) > 0) &
                call checker%complain('driving_inertia', real_text(mesh%driving_inertia), cure//', as inertia')
@@ -102,7 +105,7 @@ contains
          call checker%leave()
       end do
       do i = 1, size(train%meshes)
-         call checker%enter('mesh', i)
+         call enter_mesh(checker, train%meshes, i)
          call check_ends(train, train%meshes(i)%between, checker)
          if (train%meshes(i)%carrier /= '') call check_carrier(train, train%meshes(i)%between, train%meshes(i)%carrier, checker)
          call checker%leave()
@@ -190,8 +193,8 @@ contains
                                   &and face_width')
             end if
          else
-            call checker%complain('inertia', real_text(train%bodies(i)%inertia), 'must be > 0 kg m^2 on a mesh or an elastic &
-                                  &shaft')
+            call checker%complain('inertia', real_text(train%bodies(i)%inertia), 'must be > 0 kg m^2 on a mesh, a coupling or &
+                                  &an elastic shaft')
          end if
          call checker%leave()
       end do
@@ -205,7 +208,7 @@ contains
 
          carries_ring = .false.
          do j = 1, size(train%meshes)
-            if (.not. train%meshes(j)%internal) cycle
+            if (.not. train%meshes(j)%internal .or. train%meshes(j)%is_coupling) cycle
             k = merge(1, 2, train%meshes(j)%driving_radius > train%meshes(j)%driven_radius)
             carries_ring = carries_ring .or. mesh_ends(k, j) == body
          end do
@@ -226,7 +229,7 @@ contains
          if (.not. train%shafts(i)%rigid) call check_one('shaft', train%shafts(i)%between, shaft_ends(:, i))
       end do
       do i = 1, size(train%meshes)
-         call check_one('mesh', train%meshes(i)%between, mesh_ends(:, i))
+         call check_one(trim(group_name(train%meshes, i)), train%meshes(i)%between, mesh_ends(:, i))
          if (carrier(i) == 0) cycle
          associate (names => train%meshes(i)%between, arm => train%meshes(i)%carrier)
             if (nodes%node(carrier(i)) == 0) cycle
@@ -242,7 +245,8 @@ contains
          integer, intent(in) :: ends(2)
 
          if (nodes%node(ends(1)) /= nodes%node(ends(2))) return
-         call checker%enter(group, i)
+         if (group == 'shaft') call checker%enter(group, i)
+         if (group /= 'shaft') call enter_mesh(checker, train%meshes, i)
          if (nodes%node(ends(1)) == 0) call checker%complain('between', "'"//trim(between(1))//"', '"//trim(between(2))//"'", &
             'are both held, directly or by rigid shafts: nothing moves in between')
          if (nodes%node(ends(1)) == 0) call checker%leave()
@@ -295,6 +299,7 @@ contains
          call put_law(train%meshes(i), train%characteristic_length, law(i))
       end do
       call build_network(train, network)
+      call check_middles(train%meshes, network, checker)
       allocate (force(size(network%elements)))
       call rest_forces(network, law, train%characteristic_length, force, residual)
       if (residual < largest_residual) return

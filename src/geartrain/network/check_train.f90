@@ -7,9 +7,11 @@ module geartrain_network_check_train
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_drawing_check_drawing, only: check_drawing
    use geartrain_drawing_drawing, only: has_geometry, has_sections, has_stiffness, plain_train
+   use geartrain_network_check_coupling, only: check_coupling
    use geartrain_network_check_damping, only: check_damping
    use geartrain_network_check_network, only: check_network
    use geartrain_network_limits, only: check_stiffest
+   use geartrain_train_mesh_groups, only: enter_mesh
    use geartrain_network_scales, only: check_scales
    use geartrain_train_mesh, only: has_table, is_given, mesh_type
    use geartrain_train_shaft, only: shaft_type
@@ -57,11 +59,25 @@ contains
       if (allocated(train%shafts)) shafts = size(train%shafts)
       if (allocated(train%meshes)) meshes = size(train%meshes)
       do i = 1, meshes
-         call checker%enter('mesh', i)
-         call check_stiffness(train%meshes(i), checker%drawing_is_wrong('mesh', i), checker)
-         call check_back(train%meshes(i), plain%meshes(i), checker)
+         call enter_mesh(checker, train%meshes, i)
+         if (train%meshes(i)%is_coupling) then
+            call check_coupling(train%meshes(i), checker)
+         else
+            call check_stiffness(train%meshes(i), checker%drawing_is_wrong('mesh', i), checker)
+            call check_back(train%meshes(i), plain%meshes(i), checker)
+            if (i > 1) then
+               if (train%meshes(i - 1)%is_coupling) call checker%problems%add('stands after a coupling: couplings are the last', &
+                                                                              'mesh', i)
+            end if
+         end if
          call checker%leave()
       end do
+      if (meshes > 0 .and. .not. allocated(train%bodies)) then
+         if (any(train%meshes%is_coupling)) then
+            call checker%problems%add('joins bodies, but there is no &body: a chain has shafts and gear pairs alone', 'coupling', 1)
+            return
+         end if
+      end if
       if (allocated(train%bodies)) then
          if (allocated(train%shafts) .and. allocated(train%meshes)) call check_network(plain, checker)
       else if (shafts < 2 .or. meshes /= shafts - 1) then

@@ -4,6 +4,7 @@ module geartrain_network_check_turning
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: counted, integer_text, real_text, text
+   use geartrain_train_mesh_groups, only: group_name, group_number
    use geartrain_network_network, only: balances, build_network, network_type
    use geartrain_train_train, only: train_type
    use geartrain_train_turning, only: find_turning, turning_type
@@ -185,7 +186,7 @@ contains
          if (joined(i)) cycle
          call checker%enter('body', i)
          call checker%problems%add("'"//train%bodies(i)%name//"' is joined with '"//train%bodies(1)%name// &
-                                   "' by no shaft and no mesh", 'body', i, 'name')
+                                   "' by no shaft, mesh or coupling", 'body', i, 'name')
          call checker%leave()
       end do
       if (.not. all(joined)) return
@@ -198,7 +199,7 @@ contains
          if (carrier(i) > 0) cycle
          associate (mesh => train%meshes(i))
             call close_loop(ends, radius(ends(2))/radius(ends(1))*(mesh%driving_radius/mesh%driven_radius), &
-                            (sense(ends(1)) == sense(ends(2))) .eqv. mesh%internal, 'mesh')
+                            (sense(ends(1)) == sense(ends(2))) .eqv. mesh%internal, trim(group_name(train%meshes, i)))
          end associate
       end do
 
@@ -229,12 +230,15 @@ contains
          logical, intent(in) :: agree
          character(*), intent(in) :: group
          character(:), allocatable :: why
+         integer :: number
 
          if (abs(ratio - 1) <= rounding .and. agree) return
          why = 'these gears lock: '
          if (.not. agree) why = why//'there is an odd number of external pairs in the loop '
          if (agree) why = why//'the ratios multiply to '//text(ratio)//', not 1, round the loop '
-         call checker%problems%add(why//trim(loop_of(ends)), group, i, 'between')
+         number = i
+         if (group /= 'shaft') number = group_number(train%meshes, i)
+         call checker%problems%add(why//trim(loop_of(ends)), group, number, 'between')
       end subroutine close_loop
 
       !> The bodies of a loop in words, 'a - b - c - a': along the search tree from one end of the joint to the other.

@@ -1,5 +1,5 @@
-!> The elements of a train as rows of its nodes: shafts, meshes, springs and dampers to ground. A new kind of element is one more
-!> procedure here.
+!> The elements of a train as rows of its nodes: shafts, meshes (couplings among them), springs and dampers to ground. A new kind
+!> of element is one more procedure here.
 module geartrain_network_elements
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_rows, only: row_type
@@ -165,7 +165,7 @@ contains
 
       element%mesh = i
       associate (mesh => train%meshes(i), radii => [train%meshes(i)%driving_radius, train%meshes(i)%driven_radius])
-         element%unknown = mesh%half_backlash > 0 .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
+         element%unknown = mesh%is_bent() .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
          call put_row(nodes, ends, radii*[1, -1], element)
          element%stiffness = mesh%stiffness
          element%error_mean = mesh%error_mean

@@ -9,8 +9,10 @@ module geartrain_network_limits
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_network_excitation, only: lowest_harmonic
    use geartrain_drawing_drawing, only: plain_train
+   use geartrain_mesh_law_characteristic, only: characteristic_type, find_characteristic
    use geartrain_network_elements, only: vibrating
-   use geartrain_network_nearby_orders, only: most_cycles
+   use geartrain_train_mesh_groups, only: enter_mesh, mesh_word
+   use geartrain_train_nearby_orders, only: most_cycles
    use geartrain_network_network, only: build_network, network_type, stiffening
    use geartrain_network_nodes, only: join_rigid, nodes_type
    use geartrain_network_system, only: put_excitation, system_type
@@ -68,7 +70,7 @@ contains
          character(64) :: words
 
          words = ' in a cycle of its teeth'
-         if (size(train%meshes) > 1) words = ' in a cycle of the teeth of mesh '//integer_text(minloc(train%meshes%order, 1))
+         if (size(train%meshes) > 1) words = ' in a cycle of the teeth of '//mesh_word(train%meshes, minloc(train%meshes%order, 1))
       end function engaged
 
    end subroutine check_frequency
@@ -163,6 +165,7 @@ contains
       type(nodes_type) :: nodes
       character(*), parameter :: units = 'are radii, inertias and stiffness in SI units?'
       real(dp) :: own, frequency(merge(size(train%meshes), 0, allocated(train%meshes)))
+      type(characteristic_type) :: found
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: i
 
@@ -192,6 +195,15 @@ contains
       end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
+            if (mesh%is_coupling) then
+               call find_characteristic(mesh%torsional_stiffness, mesh%half_play, mesh%angle, mesh%torque, found)
+               associate (k => maxval(found%slope))
+                  call check_element(frequency(i)*sqrt(k/found%stiffness), 'coupling', &
+                                     merge('stiffness', 'torque   ', mesh%torsional_stiffness > 0), k, mesh%damping_ratio, &
+                                     mesh%damping_given, mesh%torsional_damping, units)
+               end associate
+               cycle
+            end if
             call check_element(frequency(i), 'mesh', 'stiffness', mesh%stiffness, mesh%damping_ratio, mesh%damping_given, &
                                mesh%damping, units)
             if (mesh%back_stiffness > 0) &
@@ -209,12 +221,13 @@ contains
          character(*), parameter :: creeps = 'must be smaller: the rate at which it brings the part to rest, damping times &
             &frequency^2 over stiffness, is more than 1e6 times the frequency of the slowest mesh, too fast to be followed'
 
-         call checker%enter(group, i)
+         if (group == 'shaft') call checker%enter(group, i)
+         if (group /= 'shaft') call enter_mesh(checker, train%meshes, i)
          if (frequency > largest_ratio*own) then
-            call checker%complain(name, real_text(stiffness), 'must be smaller: it makes the part vibrate more than 1e6 &
+            call checker%complain(trim(name), real_text(stiffness), 'must be smaller: it makes the part vibrate more than 1e6 &
                                   &times as fast as the slowest mesh, too fast to be followed: '//cure)
          else if (frequency < own/largest_ratio) then
-            call checker%complain(name, real_text(stiffness), 'must be larger: it makes the part vibrate more than 1e6 &
+            call checker%complain(trim(name), real_text(stiffness), 'must be larger: it makes the part vibrate more than 1e6 &
                                   &times as slowly as the slowest mesh, which is lost in rounding')
          else if (given) then
             if (damping*frequency/stiffness*frequency > largest_ratio*own) &
@@ -244,7 +257,8 @@ contains
          in_order = size(train%shafts) == size(train%meshes) + 1 .and. all(train%meshes%driving_inertia > 0 .and. &
                                                                            train%meshes%driven_inertia > 0)
       if (in_order) in_order = .not. (checker%problems%in_group('train') .or. checker%problems%in_group('body') .or. &
-                                      checker%problems%in_group('shaft') .or. checker%problems%in_group('mesh'))
+                                      checker%problems%in_group('shaft') .or. checker%problems%in_group('mesh') .or. &
+                                      checker%problems%in_group('coupling'))
    end function in_order
 
    !> Frequency of the slowest mesh [rad/s], see `mesh_frequencies`; neither 0 nor infinite.

@@ -3,11 +3,13 @@
 module geartrain_network_load_sharing
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_base_kinds, only: dp
+   use geartrain_drawing_drawing, only: plain_train
+   use geartrain_train_labels, only: label_length
    use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: find_sharing, mesh_load_factor, sharing_type
+   public :: find_sharing, mesh_load_factor, planet_labels, sharing_type
 
    !> Sum of the mean forces of a set that counts as rounding, over the sum of their magnitudes [1].
    real(dp), parameter :: rounding = 1e-9_dp
@@ -21,6 +23,26 @@ module geartrain_network_load_sharing
    end type sharing_type
 
 contains
+
+   !> Names of the planets of all planetary sets, (planet).
+   pure function planet_labels(train) result(labels)
+      !> A train that is in order.
+      type(train_type), intent(in) :: train
+      character(label_length), allocatable :: labels(:)
+      type(train_type) :: plain
+      type(sharing_type) :: sharing
+      integer :: i
+
+      allocate (labels(0))
+      if (.not. allocated(train%bodies)) return
+      call plain_train(train, plain)
+      call find_sharing(plain, sharing)
+      deallocate (labels)
+      allocate (labels(size(sharing%body)))
+      do i = 1, size(labels)
+         labels(i) = train%bodies(sharing%body(i))%name
+      end do
+   end function planet_labels
 
    !> Finds the planets of a train; none where it has no planetary set.
    pure subroutine find_sharing(train, sharing)

@@ -18,7 +18,7 @@ module geartrain_network_modal_damping
    use geartrain_linalg_lapack, only: dsbev
    use geartrain_linalg_non_negative, only: non_negative_least_squares
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_train_mesh, only: is_given, put_law
+   use geartrain_train_mesh, only: coupling_radius, is_given, put_law
    use geartrain_network_elements, only: element_type
    use geartrain_network_network, only: build_network, network_type
    use geartrain_network_rest, only: rest_forces
@@ -106,6 +106,7 @@ contains
          else if (found%mesh(n) > 0) then
             associate (mesh => train%meshes(found%mesh(n)))
                mesh%damping = found%damping(n)
+               mesh%torsional_damping = found%damping(n)*coupling_radius**2
                mesh%damping_given = .true.
                mesh%loss_factor = 0
             end associate

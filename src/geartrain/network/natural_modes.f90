@@ -7,6 +7,7 @@ module geartrain_network_natural_modes
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_linalg_lapack, only: dgeev
    use geartrain_network_check_train, only: check_train
+   use geartrain_train_mesh_groups, only: mesh_word
    use geartrain_network_network, only: network_type
    use geartrain_network_system, only: build_system, system_type
    use geartrain_network_system_spectrum, only: eigenvalue_ranges, eigenvalues_of
@@ -86,7 +87,7 @@ contains
       do i = 1, size(shown)
          associate (shaft => system%element_shaft(shown(i)), mesh => system%element_mesh(shown(i)))
             if (mesh > 0) then
-               write (modes%element(i), '(a, i0)') 'mesh ', mesh
+               modes%element(i) = mesh_word(train%meshes, mesh)
                modes%element_label(i) = meshes(mesh)
             else if (shaft > 0) then
                write (modes%element(i), '(a, i0)') 'shaft ', shaft

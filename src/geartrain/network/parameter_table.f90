@@ -2,6 +2,8 @@
 module geartrain_network_parameter_table
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: variable_type, visitor_type
+   use geartrain_train_coupling_variables, only: visit_coupling
+   use geartrain_train_mesh_groups, only: group_length, place_of
    use geartrain_train_train, only: train_type
    use geartrain_train_train_variables, only: visit_body, visit_mesh, visit_model, visit_shaft, visit_train
    implicit none (type, external)
@@ -9,8 +11,8 @@ module geartrain_network_parameter_table
    public :: entry_type, parameter_type, table_type, add_to_parameter
 
    type :: parameter_type
-      !> Group 'train', 'body', 'shaft' or 'mesh'; the variable; number of the group; value of a list, 0: no list.
-      character(5) :: group = ''
+      !> Group 'train', 'body', 'shaft', 'mesh' or 'coupling'; the variable; number of the group; value of a list, 0: no list.
+      character(group_length) :: group = ''
       character(24) :: variable = ''
       integer :: index = 0, item = 0
       !> Value [unit of the variable]; the unit, blank for a dimensionless one.
@@ -26,7 +28,7 @@ module geartrain_network_parameter_table
 
    !> A variable of a train.
    type :: entry_type
-      character(5) :: group = ''
+      character(group_length) :: group = ''
       character(24) :: variable = ''
       character(12) :: unit = ''
       !> Number of the group; number of values, -1: no list; place of the first among all numbers.
@@ -90,6 +92,8 @@ contains
             call visit_shaft(train%shafts(i), i, table)
          case ('mesh')
             call visit_mesh(train%meshes(i), i, table)
+         case ('coupling')
+            call visit_coupling(train%meshes(place_of(train%meshes, 'coupling', i)), i, table)
          end select
       end associate
       if (present(allowed)) allowed = table%allowed
@@ -176,7 +180,7 @@ contains
       if (self%way /= 'take') return
       if (self%rows == size(self%row)) self%row = [self%row, self%row]
       self%rows = self%rows + 1
-      self%row(self%rows) = entry_type(self%group(:5), variable%name, variable%unit, self%index, continuous=continuous)
+      self%row(self%rows) = entry_type(self%group(:group_length), variable%name, variable%unit, self%index, continuous=continuous)
    end subroutine meet
 
    subroutine on_real(self, variable, value, in_force)

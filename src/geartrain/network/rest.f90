@@ -51,30 +51,33 @@ contains
    end subroutine rest_forces
 
    !> Finds the compliance [m/N] of each element on the flank that bears its force, and the displacement at which this flank begins
-   !> to bear, in the direction of the force [m], (element).
-   pure subroutine find_compliance(elements, law, length, force, compliance, gap)
+   !> to bear, in the direction of the force [m], (element). Where the law has stages, the line of the stage that bears the force
+   !> begins elsewhere: further by `apart` [m], (element).
+   pure subroutine find_compliance(elements, law, length, force, compliance, gap, apart)
       type(element_type), intent(in) :: elements(:)
       type(law_type), intent(in) :: law(:)
       !> Unit of the displacements in the laws [m]; forces [N], (element).
       real(dp), intent(in) :: length, force(:)
-      real(dp), intent(out) :: compliance(:), gap(:)
+      real(dp), intent(out) :: compliance(:), gap(:), apart(:)
       integer :: n, s
 
       compliance = 1/elements%stiffness
       gap = 0
+      apart = 0
       do n = 1, size(elements)
          if (elements(n)%mesh == 0) cycle
          associate (own => law(elements(n)%mesh))
             s = own%bearing(force(n)/(elements(n)%stiffness*length))
             compliance(n) = compliance(n)/own%stiffness(s)
-            gap(n) = abs(own%origin(s))*length
+            if (own%lowest < 0) gap(n) = own%wall(0)*length
+            apart(n) = own%origin(s)*length - merge(-gap(n), gap(n), force(n) < 0)
          end associate
       end do
    end subroutine find_compliance
 
    !> Finds the forces of least complementary energy in a network with loops. The energy is the sum of F^2/(2 k) + b |F| over all
    !> elements, less the sum of F times misfit over the elements that close loops, with |F| replaced by a smooth function that comes
-   !> nearer and nearer to |F|.
+   !> nearer and nearer to |F|; the energy of stages is convex as well, since a force has one displacement.
    pure subroutine share_force(loop, misfit, elements, law, length, force, residual)
       real(dp), intent(in) :: loop(:, :), length
       !> By constant errors [m], (loop).
@@ -86,7 +89,7 @@ contains
       real(dp), intent(out) :: residual
       real(dp), dimension(size(loop, 1)) :: gaping, change, magnitude
       real(dp) :: hessian(size(loop, 1), size(loop, 1)), taken(size(loop, 1), size(force)), smooth, step, unit
-      real(dp), dimension(size(force)) :: root, least, way, compliance, gap
+      real(dp), dimension(size(force)) :: root, least, way, compliance, gap, apart
       integer :: pivot(size(loop, 1)), i, info, n, round
 
       residual = 0
@@ -105,9 +108,9 @@ contains
       do round = 1, 16
          smooth = 0.1_dp*smooth
          do i = 1, 50
-            call find_compliance(elements, law, length, force, compliance, gap)
+            call find_compliance(elements, law, length, force, compliance, gap, apart)
             root = sqrt(force**2 + smooth**2)
-            change = matmul(taken, force*compliance + gap*force/root) - misfit
+            change = matmul(taken, force*compliance + apart + gap*force/root) - misfit
             hessian = matmul(taken*spread(compliance + gap*smooth**2/root**3, 1, size(loop, 1)), transpose(taken))
             call factor_matrix(size(change), hessian, pivot, info)
             if (info /= 0) exit
@@ -118,8 +121,8 @@ contains
             if (maxval(abs(step*way)) < 1e-3_dp*smooth) exit
          end do
       end do
-      call find_compliance(elements, law, length, force, compliance, gap)
-      magnitude = matmul(abs(taken), abs(force)*compliance + gap) + abs(misfit)
+      call find_compliance(elements, law, length, force, compliance, gap, apart)
+      magnitude = matmul(abs(taken), abs(force)*compliance + gap + abs(apart)) + abs(misfit)
       unit = maxval(abs(force))
       least = 0
       do i = 1, size(loop, 1)
@@ -127,7 +130,7 @@ contains
       end do
       where (abs(force) <= nothing*least) force = 0
       ! An unloaded mesh may stand anywhere in its gap.
-      gaping = abs(matmul(taken, force*compliance + sign(gap, force)*merge(1, 0, abs(force) > 0)) - misfit) &
+      gaping = abs(matmul(taken, force*compliance + apart + sign(gap, force)*merge(1, 0, abs(force) > 0)) - misfit) &
                - matmul(abs(taken), merge(0.0_dp, gap, abs(force) > 0))
       ! A path without backlash that bears nothing has no magnitude.
       residual = max(0.0_dp, maxval(gaping/max(magnitude, tiny(unit))))
@@ -156,11 +159,11 @@ contains
       !> Derivative of the energy along the Newton step.
       pure real(dp) function slope(share)
          real(dp), intent(in) :: share
-         real(dp), dimension(size(force)) :: there, soft, free
+         real(dp), dimension(size(force)) :: there, soft, free, beyond
 
          there = force + share*way
-         call find_compliance(elements, law, length, there, soft, free)
-         slope = sum(way*(there*soft + free*there/sqrt(there**2 + smooth**2))) + sum(change*misfit)
+         call find_compliance(elements, law, length, there, soft, free, beyond)
+         slope = sum(way*(there*soft + beyond + free*there/sqrt(there**2 + smooth**2))) + sum(change*misfit)
       end function slope
 
    end subroutine share_force

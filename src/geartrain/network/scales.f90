@@ -6,6 +6,7 @@ module geartrain_network_scales
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_network_limits, only: in_order, own_frequency
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_train_mesh_groups, only: enter_mesh, group_name, group_number, mesh_word
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -56,7 +57,8 @@ contains
             call check_list('mesh', j, 'error_cos', mesh%error_cos, 0.0_dp, 'it')
             call check_list('mesh', j, 'error_sin', mesh%error_sin, 0.0_dp, 'it')
             call check_length('mesh', j, 'error_mean', mesh%error_mean, decades(mesh%error_mean), 'it')
-            call check_length('mesh', j, 'half_backlash', mesh%half_backlash, decades(mesh%half_backlash), 'it')
+            call check_length(trim(group_name(train%meshes, j)), group_number(train%meshes, j), gap_name(mesh%is_coupling), &
+                              mesh%half_backlash, decades(mesh%half_backlash), 'it')
             call check_variation(j, 'stiffness_cos', mesh%stiffness_cos)
             call check_variation(j, 'stiffness_sin', mesh%stiffness_sin)
          end associate
@@ -95,7 +97,7 @@ contains
          real(dp), intent(in) :: static
          character(:), allocatable :: what
 
-         what = 'the static deflection of &mesh '//integer_text(j)//' (by it, the radii up to there and the stiffness)'
+         what = 'the static deflection of &'//trim(mesh_word(train%meshes, j))//' (by it, the radii up to there and the stiffness)'
          if (allocated(train%bodies)) then
             call check_length('body', strongest, 'torque', train%bodies(strongest)%torque, static, what)
          else
@@ -166,9 +168,9 @@ contains
                      call checker%complain('input_torque', real_text(train%input_torque), trim(lost_beside(j)))
                   end if
                else if (gap < static - lost) then
-                  call checker%enter('mesh', j)
-                  call checker%complain('half_backlash', real_text(mesh%half_backlash), 'must be 0 or larger: it is lost in &
-                     &rounding beside the static deflection (by '//trim(torque_name)//', the radii up to there and the &
+                  call enter_mesh(checker, train%meshes, j)
+                  call checker%complain(gap_name(mesh%is_coupling), real_text(mesh%half_backlash), 'must be 0 or larger: it is &
+                     &lost in rounding beside the static deflection (by '//trim(torque_name)//', the radii up to there and the &
                      &stiffness), '// &
                      power(static)//' m')
                end if
@@ -181,11 +183,21 @@ contains
          integer, intent(in) :: j
          character(200) :: words
 
-         words = 'must be 0 or larger: the static deflection of &mesh '//integer_text(j)//' (by it, the radii up to there and &
-                 &the stiffness), '//power(static)//' m, is lost in rounding beside its half_backlash'
+         words = 'must be 0 or larger: the static deflection of &'//trim(mesh_word(train%meshes, j))//' (by it, the radii up to &
+                 &there and the stiffness), '//power(static)//' m, is lost in rounding beside its '// &
+                 gap_name(train%meshes(j)%is_coupling)
       end function lost_beside
 
    end subroutine check_scales
+
+   !> Variable of the gap of a mesh.
+   pure function gap_name(is_coupling) result(name)
+      !> It is a coupling.
+      logical, intent(in) :: is_coupling
+      character(merge(9, 13, is_coupling)) :: name
+
+      name = merge('half_play    ', 'half_backlash', is_coupling)
+   end function gap_name
 
    !> Sets the logarithms of `check_scales` [decades].
    subroutine find_scales(train, radius, force, compliance)

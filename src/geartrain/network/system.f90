@@ -17,7 +17,8 @@ module geartrain_network_system
    use geartrain_network_mean, only: mean_rows, mean_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_light_loads, only: reduce_light_loads
-   use geartrain_train_mesh, only: is_given, put_law
+   use geartrain_train_mesh_groups, only: mesh_word
+   use geartrain_train_mesh, only: coupling_radius, is_given, put_law
    use geartrain_network_modal_damping, only: resolve_damping
    use geartrain_network_network, only: accelerate, build_network, network_type
    use geartrain_network_rest, only: rest_forces
@@ -51,8 +52,10 @@ module geartrain_network_system
       real(dp), allocatable :: loop_offset(:)
       !> Rate at which the determinant of the monodromy decays, every mesh on its drive flank [1].
       real(dp) :: decay = 0
-      !> b/b_c [1], (mesh).
-      real(dp), allocatable :: half_backlash(:)
+      !> b/b_c [1]; what phi = 1 is: a force [N], or of a coupling a torque [N m], (mesh).
+      real(dp), allocatable :: half_backlash(:), load_unit(:)
+      !> 'mesh 1', ..., 'coupling 1', ..., (mesh).
+      character(20), allocatable :: mesh_name(:)
       !> Force law of each mesh, (mesh).
       type(law_type), allocatable :: law(:)
       !> e/b_c, (mesh).
@@ -130,6 +133,9 @@ contains
          system%mesh_element(system%element_mesh(n)) = n
          call system%law(system%element_mesh(n))%complete(system%damping(n))
       end do
+      system%mesh_name = [(mesh_word(train%meshes, i), i=1, system%meshes)]
+      system%load_unit = system%stiffness(system%mesh_element)*system%characteristic_length &
+                         *merge(coupling_radius, 1.0_dp, train%meshes%is_coupling)
       call couple(system%network, system)
       allocate (system%static_force(system%elements))
       call rest_forces(system%network, system%law, system%characteristic_length, system%static_force, &

@@ -1,19 +1,20 @@
-!> The torque of each shaft, and of what holds each held body, as a sum over the forces of elements and the torques on bodies. An
-!> elastic shaft bears its own force times its radius. A rigid shaft joins two sides of one node with the inertias I_1 and I_2; its
-!> torque is what side 1 hands over:
+!> The torque of each shaft, of what holds each held body, and of each coupling, as a sum over the forces of elements and the
+!> torques on bodies. An elastic shaft and a coupling bear their own force times its radius. A rigid shaft joins two sides of one
+!> node with the inertias I_1 and I_2; its torque is what side 1 hands over:
 !> S_1 - I_1/(I_1 + I_2) (S_1 + S_2), S the sum of the torques on the bodies of a side.
 module geartrain_network_torque_paths
    use geartrain_base_kinds, only: dp
    use geartrain_network_network, only: balance_torques, network_type
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_train_mesh, only: coupling_radius
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
    public :: torque_paths_type, find_torque_paths
 
    type :: torque_paths_type
-      !> Number of torques, and of held bodies among them: one of each shaft, then one of each held body.
-      integer :: rows = 0, held = 0
+      !> Number of torques, and of shafts, held bodies and couplings: the torques stand in this order.
+      integer :: rows = 0, shafts = 0, held = 0, couplings = 0
       !> .false.: nothing determines the torque, as of a rigid shaft beside other rigid shafts between the same bodies, (row).
       logical, allocatable :: known(:)
       !> Mean torque of the bodies, less what accelerates their inertias [N m], (row): 0 for an elastic shaft.
@@ -39,7 +40,7 @@ contains
       integer, intent(in) :: torque_body(:)
       !> The paths.
       type(torque_paths_type), intent(out) :: paths
-      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), element_of(:), held_body(:)
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), element_of(:), held_body(:), coupling(:)
       real(dp), dimension(body_count(train)) :: inertia, torque, weight
       integer, allocatable :: balancing(:)
       logical :: held(size(inertia))
@@ -51,7 +52,12 @@ contains
       call find_ends(train, shaft_ends, mesh_ends)
       held_body = pack([(i, i=1, size(held))], held)
       paths%held = size(held_body)
-      paths%rows = size(train%shafts) + paths%held
+      ! Elements of the couplings.
+      coupling = pack([(n, n=1, size(train%meshes))], train%meshes%is_coupling)
+      coupling = [(findloc(network%elements%mesh, coupling(n), 1), n=1, size(coupling))]
+      paths%shafts = size(train%shafts)
+      paths%couplings = size(coupling)
+      paths%rows = paths%shafts + paths%held + paths%couplings
       allocate (element_of(size(train%shafts)), source=0)
       do n = 1, size(network%elements)
          if (network%elements(n)%shaft > 0) element_of(network%elements(n)%shaft) = n
@@ -63,7 +69,10 @@ contains
       do s = 1, paths%rows
          paths%first(s) = size(paths%element) + 1
          paths%torque_first(s) = size(paths%torque) + 1
-         if (s > size(element_of)) then
+         if (s > paths%shafts + paths%held) then
+            paths%element = [paths%element, coupling(s - paths%shafts - paths%held)]
+            paths%gain = [paths%gain, coupling_radius]
+         else if (s > size(element_of)) then
             call add_reaction(train, network, shaft_ends, held_body(s - size(element_of)), held, torque, torque_body, s, paths)
          else if (element_of(s) > 0) then
             paths%element = [paths%element, element_of(s)]

@@ -1,4 +1,5 @@
-!> Contact edges of a branch: where a mesh begins or ceases to separate, or its back flanks to collide. The balance is solved there.
+!> Contact edges of a branch: where a mesh begins or ceases to separate, its back flanks to collide, or a coupling to reach a
+!> stage. The balance is solved there.
 module geartrain_readings_contact_edges
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
@@ -12,6 +13,7 @@ module geartrain_readings_contact_edges
    use geartrain_trace_decided, only: joined
    use geartrain_trace_points, only: motion_of
    use geartrain_trace_special_points, only: rms_of
+   use geartrain_trace_stages, only: depth_of_stage, no_stage, stages_of
    use geartrain_trace_start, only: begin_trace, solution_of
    use geartrain_trace_tracer, only: tracer_type
    use geartrain_train_train, only: train_type
@@ -59,7 +61,9 @@ contains
       type(solution_point_type) :: solution
       real(dp) :: first, last
       real(dp), allocatable :: gap(:, :)
-      integer :: i, j, k, n
+      integer, allocatable :: stages(:)
+      integer :: i, j, k, n, stage
+      logical, allocatable :: staged(:)
       logical :: ready, success, keep_going, back
 
       if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
@@ -68,19 +72,26 @@ contains
       do j = 1, branch%meshes
          gap(:, j) = gap_along(branch, j)
       end do
-      if (.not. any(gap > 0)) return
+      if (.not. (any(gap > 0) .or. any(train%meshes%is_coupling))) return
       allocate (edges(most_edges))
       n = 0
       call begin_trace(train, settings, systems, tracer, branch)
+      ! Over a parameter the walls may move.
+      allocate (staged(branch%meshes), source=.false.)
+      if (.not. allocated(branch%parameter)) staged = [(size(stages_of(tracer%system, j)) > 0, j=1, branch%meshes)]
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.
          do j = 1, branch%meshes
-            if (.not. all(gap(i:i + 1, j) > 0)) cycle
-            do k = 1, 2
+            stages = [integer ::]
+            if (staged(j)) stages = stages_of(tracer%system, j)
+            do k = 1, 2 + size(stages)
+               if (k <= 2 .and. .not. all(gap(i:i + 1, j) > 0)) cycle
                back = k == 2
-               first = depth_below(branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
-               last = depth_below(branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j), back)
+               stage = no_stage
+               if (k > 2) stage = stages(k - 2)
+               first = depth(j, branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
+               last = depth(j, branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j), back)
                if (first*last >= 0 .or. n == most_edges) cycle
                if (.not. ready) call prepare_piece(i)
                ready = .true.
@@ -88,6 +99,7 @@ contains
                edges(n)%point = i
                edges(n)%mesh = j
                edges(n)%back = back
+               edges(n)%stage = stage
                call locate(j, back, first, last, edges(n)%frequency_ratio, success)
                if (success) edges(n)%rms = rms_of(tracer%corrector, solution)
                if (.not. success) n = n - 1
@@ -160,7 +172,7 @@ contains
             s = between(a, b, fa, fb)
             call go_along(piece, s, solution)
             f = depth_at(solution, j, back)
-            if (abs(f) < located*gap_at(solution, j)) exit
+            if (abs(f) < located*scale_at(solution, j)) exit
             call shrink(a, b, fa, fb, s, f, kept)
          end do
          a = 1e-4_dp*piece%length
@@ -196,12 +208,34 @@ contains
          logical, intent(in) :: back
          real(dp) :: smallest, largest
 
-         ! A mesh with backlash is an unknown of the balance.
+         ! A mesh with backlash or stages is an unknown of the balance.
          associate (balance => tracer%corrector%balance)
             call extremes(solution%u(:, findloc(balance%mesh, j, 1)), balance%harmonic, transform, smallest, largest)
          end associate
-         depth_at = depth_below(smallest, largest, gap_at(solution, j), back)
+         depth_at = depth(j, smallest, largest, gap_at(solution, j), back)
       end function depth_at
+
+      !> Depth by the extremes of the displacement of mesh j.
+      pure real(dp) function depth(j, smallest, largest, gap, back)
+         integer, intent(in) :: j
+         real(dp), intent(in) :: smallest, largest, gap
+         logical, intent(in) :: back
+
+         if (stage == no_stage) then
+            depth = depth_below(smallest, largest, gap, back)
+         else
+            depth = depth_of_stage(tracer%system, j, stage, smallest, largest)
+         end if
+      end function depth
+
+      !> Displacement beside which a depth is small [1].
+      real(dp) function scale_at(solution, j)
+         type(solution_point_type), intent(in) :: solution
+         integer, intent(in) :: j
+
+         scale_at = gap_at(solution, j)
+         if (stage /= no_stage) scale_at = maxval(abs(tracer%system%law(j)%wall))
+      end function scale_at
 
       !> Half backlash of mesh j at a solution point of the piece: along a path in a parameter between those of its ends, which is
       !> exact unless the backlash follows from a drawing.

@@ -6,6 +6,7 @@ module geartrain_readings_contact_ranges
    use geartrain_readings_summary, only: band_type, change
    use geartrain_trace_branch, only: branch_type, gap_along
    use geartrain_trace_decided, only: joined
+   use geartrain_trace_stages, only: no_stage
    implicit none (type, external)
    private
    public :: back_collision_ranges, drive_collision_ranges, separation_ranges
@@ -122,7 +123,8 @@ contains
       if (.not. allocated(branch%contact_edges)) return
       do k = 1, size(branch%contact_edges)
          associate (edge => branch%contact_edges(k))
-            if (edge%point == i .and. edge%mesh == mesh .and. (edge%back .eqv. back)) located_edge = edge%frequency_ratio
+            if (edge%point == i .and. edge%mesh == mesh .and. (edge%back .eqv. back) .and. edge%stage == no_stage) &
+               located_edge = edge%frequency_ratio
          end associate
       end do
    end function located_edge

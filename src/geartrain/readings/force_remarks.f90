@@ -6,6 +6,7 @@ module geartrain_readings_force_remarks
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_readings_slow_sweeps, only: is_out_of_reach
    use geartrain_trace_branch, only: branch_type
+   use geartrain_train_mesh, only: coupling_radius
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -55,7 +56,8 @@ contains
       integer, intent(in) :: mesh, i
 
       associate (force => abs(branch%mesh_load(mesh, i)%force_maximum), &
-                 vibration => plain%meshes(mesh)%stiffness*plain%characteristic_length*branch%rms(mesh, i))
+                 vibration => plain%meshes(mesh)%stiffness*plain%characteristic_length*branch%rms(mesh, i) &
+                              *merge(coupling_radius, 1.0_dp, plain%meshes(mesh)%is_coupling))
          force_error = branch%mesh_error_estimate(mesh, i)*max(1.0_dp, vibration/max(force, tiny(1.0_dp)))
       end associate
    end function force_error

@@ -5,6 +5,7 @@ module geartrain_readings_jump_sentences
    use geartrain_base_sheet, only: in_result, sheet_type
    use geartrain_base_sorting, only: ascending
    use geartrain_drawing_drawing, only: plain_train
+   use geartrain_train_mesh_groups, only: mesh_word
    use geartrain_readings_frequency_text, only: frequency_text_type
    use geartrain_readings_jumps, only: jump_type, jumps
    use geartrain_readings_length_text, only: length_text, length_text_type
@@ -56,7 +57,8 @@ contains
             words = words//' '//trim(ending(found(i)%cause, branch, train))
          else
             mesh = maxloc(abs(found(i)%after - found(i)%before), 1)
-            words = words//' '//trim(found(i)%kind)//', mesh '//text(mesh)//' from '//trim(lengths%rms(found(i)%before(mesh))) &
+            words = words//' '//trim(found(i)%kind)//', '//trim(mesh_word(train%meshes, mesh))//' from '// &
+                    trim(lengths%rms(found(i)%before(mesh))) &
                     //' to '//trim(lengths%rms(found(i)%after(mesh)))
             if (found(i)%candidates > 1) words = words//' (the nearest of '//text(found(i)%candidates)//' stable motions)'
          end if

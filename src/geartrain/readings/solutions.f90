@@ -220,6 +220,7 @@ contains
             motion%mesh_load = found%mesh_load(:, i)
             if (allocated(found%shaft_torque_mean)) then
                motion%held = found%held
+               motion%couplings = found%couplings
                motion%shaft_torque_mean = found%shaft_torque_mean(:, i)
                motion%shaft_torque_minimum = found%shaft_torque_minimum(:, i)
                motion%shaft_torque_maximum = found%shaft_torque_maximum(:, i)

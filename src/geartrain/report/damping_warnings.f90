@@ -7,6 +7,7 @@ module geartrain_report_damping_warnings
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_check_train, only: check_train
    use geartrain_network_light_loads, only: reduce_light_loads
+   use geartrain_train_mesh_groups, only: mesh_word
    use geartrain_network_modal_damping, only: asked_ratios, find_modal_damping, modal_damping_type, resolve_damping
    use geartrain_network_natural_modes, only: modes_type, natural_modes
    use geartrain_train_labels, only: label_length, mesh_labels, shaft_labels
@@ -154,7 +155,7 @@ contains
          label = 'a spring to ground'
          words = label
       else
-         words = 'mesh '//integer_text(found%mesh(n))
+         words = mesh_word(train%meshes, found%mesh(n))
          meshes = mesh_labels(train)
          label = meshes(found%mesh(n))
       end if
@@ -179,8 +180,8 @@ contains
       end do
       if (told == 0) return
       if (told > most_modes) list = list//', and '//integer_text(told - most_modes)//' more'
-      call add(warnings, 'modal_damping is not met: '//list(3:)//'. No damping >= 0 of the shafts and meshes comes nearer to all &
-               &modes together')
+      call add(warnings, 'modal_damping is not met: '//list(3:)//'. No damping >= 0 of shafts, meshes and couplings comes nearer &
+               &to all modes together')
    end subroutine warn_of_misses
 
 end module geartrain_report_damping_warnings

@@ -14,6 +14,7 @@ module geartrain_report_drawing_warnings
    use geartrain_network_light_loads, only: reduce_light_loads
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
+   use geartrain_train_mesh_groups, only: group_name, group_number
    use geartrain_network_elements, only: vibrating
    use geartrain_network_nodes, only: join_rigid, nodes_type
    use geartrain_train_shaft, only: shaft_type
@@ -192,7 +193,8 @@ contains
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i), made => plain%meshes(i))
             if (.not. mesh%damping_given .and. mesh%damping_ratio > 0) &
-               call compare('mesh', mesh%damping_ratio, mesh_ends(:, i), [made%driving_radius, made%driven_radius])
+               call compare(trim(group_name(train%meshes, i)), mesh%damping_ratio, mesh_ends(:, i), &
+                            [made%driving_radius, made%driven_radius])
          end associate
       end do
 
@@ -203,11 +205,14 @@ contains
          real(dp), intent(in) :: ratio, radius(2)
          integer, intent(in) :: ends(2)
          real(dp) :: alone, joined
+         integer :: number
 
          alone = sum(radius**2/vibrating(nodes, inertia, ends, .true.))
          joined = sum(radius**2/vibrating(nodes, inertia, ends, .false.))
-         if (alone > worth_telling*joined) call add_warning(warnings, group, i, 'damping_ratio = '//real_text(ratio)//' of the &
-            &bodies alone: with what is rigidly joined to them the same damping is '//short(ratio*sqrt(joined/alone)))
+         number = i
+         if (group /= 'shaft') number = group_number(train%meshes, i)
+         if (alone > worth_telling*joined) call add_warning(warnings, group, number, 'damping_ratio = '//real_text(ratio)//' of &
+            &the bodies alone: with what is rigidly joined to them the same damping is '//short(ratio*sqrt(joined/alone)))
       end subroutine compare
 
    end subroutine warn_of_joined_inertias
@@ -274,8 +279,9 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
       integer :: i
 
-      if (.not. any(plain%meshes%half_backlash > 0)) return
+      if (.not. any(plain%meshes%half_backlash > 0 .and. .not. plain%meshes%is_coupling)) return
       do i = 1, size(plain%meshes)
+         if (plain%meshes(i)%is_coupling) cycle
          if (.not. plain%meshes(i)%half_backlash > 0) call add_warning(warnings, 'mesh', i, 'has no backlash, although other &
             &meshes have it: its teeth cannot separate (60 um are backlash = 60e-6)')
       end do

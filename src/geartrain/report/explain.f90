@@ -14,6 +14,7 @@ module geartrain_report_explain
    use geartrain_network_light_loads, only: reduce_light_loads
    use geartrain_network_system, only: build_system, system_type
    use geartrain_report_drawing_warnings, only: find_warnings
+   use geartrain_report_explain_coupling, only: explain_coupling
    use geartrain_report_explain_damping, only: damping_explanation_type
    use geartrain_report_explain_planetary, only: explain_set
    use geartrain_train_bodies, only: find_ends
@@ -41,7 +42,8 @@ module geartrain_report_explain
 
 contains
 
-   !> Makes groups of fields: 'train', the name of each body, 'shaft 1', ..., 'mesh 1', ..., the name of each planetary set
+   !> Makes groups of fields: 'train', the name of each body, 'shaft 1', ..., 'mesh 1', ..., 'coupling 1', ..., the name of each
+   !> planetary set.
    subroutine explain_train(train, fields)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -64,7 +66,11 @@ contains
          call explain_shaft(context, i, fields)
       end do
       do i = 1, size(train%meshes)
-         call explain_mesh(context, i, fields)
+         if (train%meshes(i)%is_coupling) then
+            call explain_coupling(context%given, context%system, context%damping, i, fields)
+         else
+            call explain_mesh(context, i, fields)
+         end if
       end do
       if (.not. any(train%meshes%carrier /= '')) return
       call find_sets(context%plain, sets)

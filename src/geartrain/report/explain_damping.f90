@@ -7,7 +7,7 @@ module geartrain_report_explain_damping
    use geartrain_base_numbers, only: integer_text
    use geartrain_network_modal_damping, only: find_modal_damping, modal_damping_type, resolve_damping
    use geartrain_report_damping_warnings, only: three_digits
-   use geartrain_train_mesh, only: is_given
+   use geartrain_train_mesh, only: coupling_radius, is_given
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -60,9 +60,9 @@ contains
    !> Adds the damping coefficient of a shaft or mesh.
    subroutine explain_element(self, group, i, fields)
       class(damping_explanation_type), intent(in) :: self
-      !> 'shaft' or 'mesh'.
+      !> 'shaft', 'mesh' or 'coupling'.
       character(*), intent(in) :: group
-      !> Its number.
+      !> Its number; of a coupling among all meshes.
       integer, intent(in) :: i
       !> Gets the fields, in the group of the shaft or mesh.
       class(fields_type), intent(inout) :: fields
@@ -87,6 +87,7 @@ contains
             as_given = mesh%damping_given
          end associate
          damping = self%found%damping(n)
+         if (group == 'coupling') damping = damping*coupling_radius**2
       end if
       associate (mode => self%found%mode(n))
          if (as_given) then
@@ -105,7 +106,7 @@ contains
             words = 'none given'
          end if
       end associate
-      call carry(fields, field_type('damping', '', trim(merge('N m s/rad', 'N s/m    ', group == 'shaft')), words), damping)
+      call carry(fields, field_type('damping', '', trim(merge('N s/m    ', 'N m s/rad', group == 'mesh')), words), damping)
    end subroutine explain_element
 
 end module geartrain_report_explain_damping

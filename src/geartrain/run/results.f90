@@ -21,7 +21,8 @@ module geartrain_run_results
    use geartrain_results_hdf5_reader, only: read_groups
    use geartrain_results_hdf5_writer, only: hdf5_content
    use geartrain_results_seal, only: add_seal, check_replaceable, seal_bytes
-   use geartrain_train_labels, only: held_labels, mesh_labels, planet_labels, shaft_labels
+   use geartrain_network_load_sharing, only: planet_labels
+   use geartrain_train_labels, only: coupling_labels, held_labels, mesh_labels, shaft_labels
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -191,6 +192,7 @@ contains
       call fields%expect('shaft', size(case%train%shafts), shaft_labels(case%train))
       call fields%expect('held', size(held_labels(case%train)), held_labels(case%train))
       call fields%expect('planet', size(planet_labels(case%train)), planet_labels(case%train))
+      call fields%expect('coupling', size(coupling_labels(case%train)), coupling_labels(case%train))
       call fields%expect('coordinate', state_count(case%train))
       do i = 1, size(analyses)
          call find_analysis(i, case, results, analysis)

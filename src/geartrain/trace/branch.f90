@@ -6,12 +6,13 @@ module geartrain_trace_branch
    use geartrain_base_fields, only: arranging, fields_type, listing, reading, writing
    use geartrain_base_kinds, only: dp
    use geartrain_flow_load_share_fields, only: about_planet, carry_shares
+   use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_settings, only: response_settings_type
    use geartrain_flow_motion_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, &
       about_mesh, about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, &
       carry_loads, carry_torques, coefficient_axis, on_stability
-   use geartrain_flow_torque_fields, only: about_held
-   use geartrain_trace_corrector, only: solution_point_type
-   use geartrain_trace_settings, only: response_settings_type
+   use geartrain_trace_stages, only: no_stage
+   use geartrain_flow_torque_fields, only: about_coupling, about_held
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, gap_along, has_sets, &
@@ -21,7 +22,7 @@ module geartrain_trace_branch
    type :: special_point_type
       !> 'fold', 'period doubling', 'neimark-sacker' (a pair of multipliers leaves the unit circle) or 'branch point' (another
       !> branch of the same period crosses; a multiplier passes +1 without a fold); of a contact onset 'separation' (a mesh begins
-      !> or ceases to separate) or 'back contact' (its back flanks begin or cease to touch).
+      !> or ceases to separate), 'back contact' (its back flanks begin or cease to touch) or 'stage 2 reached'.
       character(16) :: kind = ''
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
@@ -48,6 +49,8 @@ module geartrain_trace_branch
       integer :: mesh = 0
       !> .true.: edge of a range of back collision; .false.: of separation.
       logical :: back = .false.
+      !> Number of the stage of a coupling that is reached or left there; `no_stage`: none.
+      integer :: stage = no_stage
       !> Lambda [1]; rms over characteristic length [1], (mesh).
       real(dp) :: frequency_ratio = 0
       real(dp), allocatable :: rms(:)
@@ -79,9 +82,10 @@ module geartrain_trace_branch
 
    !> A branch of periodic motions; arrays over the points may be longer than `points`.
    type :: branch_type
-      !> Numbers of points, meshes, shafts, held bodies, planets, multipliers of a point (of many states the leading ones; 0 where
-      !> the period is long) and harmonics in use; period of the motions in periods of the fundamental.
-      integer :: points = 0, meshes = 0, shafts = 0, held = 0, planets = 0, states = 0, harmonics = 0, subharmonic = 1
+      !> Numbers of points, meshes, shafts, held bodies, couplings, planets, multipliers of a point (of many states the leading
+      !> ones; 0 where the period is long) and harmonics in use; period of the motions in periods of the fundamental.
+      integer :: points = 0, meshes = 0, shafts = 0, held = 0, couplings = 0, planets = 0, states = 0, harmonics = 0, &
+         subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
       !> Harmonics of Lambda/subharmonic that `coefficients` has room for, ascending: 1 .. harmonics; where balances carry sets of
@@ -96,8 +100,8 @@ module geartrain_trace_branch
       real(dp), allocatable :: rms(:, :), mean(:, :), minimum(:, :), maximum(:, :)
       !> Mesh forces, (mesh, point).
       type(mesh_load_type), allocatable :: mesh_load(:, :)
-      !> Torque of each shaft, then of what holds each held body, over the period [N m], (shaft, then held body, point); NaN where
-      !> nothing determines it. Allocated where asked for.
+      !> Torque of each shaft, then of what holds each held body, then of each coupling, over the period [N m], (shaft, then held
+      !> body, then coupling, point); NaN where nothing determines it. Allocated where asked for.
       real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
       !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet, point); not
       !> allocated: no planets.
@@ -337,6 +341,8 @@ contains
       if (fields%has('shaft_torque_mean', allocated(branch%shaft_torque_mean))) then
          call fields%index_axis('shaft', branch%shafts, about_shaft)
          if (fields%has('reaction_torque_mean', branch%held > 0)) call fields%index_axis('held', branch%held, about_held)
+         if (fields%has('coupling_torque_mean', branch%couplings > 0)) &
+            call fields%index_axis('coupling', branch%couplings, about_coupling)
          call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &
                             branch%shaft_torque_maximum)
       end if

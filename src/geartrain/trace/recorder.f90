@@ -58,7 +58,8 @@ contains
       branch%points = 0
       branch%meshes = balance%system%meshes
       branch%held = balance%system%torque_paths%held
-      branch%shafts = balance%system%torque_paths%rows - branch%held
+      branch%shafts = balance%system%torque_paths%shafts
+      branch%couplings = balance%system%torque_paths%couplings
       branch%half_backlash = balance%system%half_backlash
       if (allocated(balance%path)) then
          branch%parameter = balance%path%name
@@ -138,7 +139,7 @@ contains
          branch%mean(j, n) = coefficients(1, j)
          ! `extremes` leaves the samples of p in self%transform, which the reader of forces uses: other samples come after it.
          call extremes(coefficients(:, j), balance%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
-         if (balance%system%law(j)%jumps) then
+         if (balance%system%law(j)%peaks) then
             call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
                                   self%transform, &
                                   branch%mesh_load(j, n), balance%contact(findloc(balance%mesh, j, 1)))

@@ -262,7 +262,7 @@ contains
          else if (branch%rms(mesh, n) > max(self%amplitude_limit, branch%rms(mesh, before))) then
             ! Not where the rms falls: a branch may begin above the limit.
             outcome = left_by_amplitude
-            reason = 'rms of mesh '//text(mesh)//' passed the amplitude limit '//text(self%amplitude_limit) &
+            reason = 'rms of '//trim(self%system%mesh_name(mesh))//' passed the amplitude limit '//text(self%amplitude_limit) &
                      //' at Lambda = '//text(frequency_ratio)
          else if (n >= self%settings%max_points) then
             outcome = full
@@ -431,8 +431,9 @@ contains
                         spread(branch%error_estimate(:branch%points) <= self%settings%tolerance, 1, branch%meshes))
          if (all(worst > 0)) then
             associate (error => branch%mesh_error_estimate(worst(1), worst(2)))
-               if (error > named_from*self%settings%tolerance) branch%ended = branch%ended//'; mesh '//text(worst(1)) &
-                  //' has a small amplitude: its relative error is up to '//text(error)//', above the tolerance'
+               if (error > named_from*self%settings%tolerance) branch%ended = branch%ended//'; '// &
+                  trim(self%system%mesh_name(worst(1)))//' has a small amplitude: its relative error is up to '//text(error)// &
+                  ', above the tolerance'
             end associate
          end if
       end if

@@ -6,7 +6,7 @@
 module geartrain_train_kinematics
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
-   use geartrain_network_nearby_orders, only: find_nearby_orders
+   use geartrain_train_nearby_orders, only: find_nearby_orders
    use geartrain_train_bodies, only: body_count, find_carriers, find_ends
    use geartrain_train_mesh, only: is_given
    use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
@@ -42,7 +42,7 @@ module geartrain_train_kinematics
 
 contains
 
-   !> Whether every mesh has the numbers of teeth of both gears.
+   !> Whether every gear pair has the numbers of teeth of both gears; so it is where there are couplings alone.
    pure logical function all_toothed(train)
       !> The train; its meshes are allocated.
       type(train_type), intent(in) :: train
@@ -51,6 +51,7 @@ contains
       all_toothed = size(train%meshes) > 0
       do i = 1, size(train%meshes)
          if (.not. all_toothed) return
+         if (train%meshes(i)%is_coupling) cycle
          all_toothed = is_given(train%meshes(i)%teeth)
          if (all_toothed) all_toothed = size(train%meshes(i)%teeth) == 2
          if (all_toothed) all_toothed = all(train%meshes(i)%teeth >= 1 .and. train%meshes(i)%teeth <= 1e5_dp)
@@ -86,6 +87,8 @@ contains
       end do
       if (any(signed(2, :) == 0)) return
       do i = 1, size(train%meshes)
+         engaging(:, i) = [0, 1]
+         if (train%meshes(i)%is_coupling) cycle
          engaging(:, i) = engaged(i, 1)
          ! Both gears of a pair engage as often, an external pair in opposite senses.
          if (any(engaging(:, i) /= engaged(i, 2)*[merge(1_int64, -1_int64, train%meshes(i)%internal), 1_int64])) return
@@ -101,7 +104,7 @@ contains
             end associate
          end do
       end do
-      if (any(engaging(1, :) == 0) .or. any(engaging > most)) return
+      if (any(engaging(1, :) == 0 .and. .not. train%meshes%is_coupling) .or. any(engaging > most)) return
       divisor = 0
       common = 1
       do i = 1, size(engaging, 2)
@@ -111,6 +114,8 @@ contains
          if (turns(train, i)) call include(revolving(:, i), divisor, common)
       end do
       if (common > most) return
+      ! Without gears and torques of revolutions: a turn.
+      if (divisor == 0) divisor = 1
       do i = 1, size(engaging, 2)
          if (multiple(engaging(:, i)) > most) return
          found%order(i) = int(multiple(engaging(:, i)))

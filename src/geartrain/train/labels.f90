@@ -1,14 +1,12 @@
 !> What results call bodies by, and shafts and meshes: by the bodies that they join, 'pinion - wheel', or in a chain 'shaft 1',
 !> 'mesh 1'. A mesh may have a name of its own.
 module geartrain_train_labels
-   use geartrain_drawing_drawing, only: plain_train
-   use geartrain_network_load_sharing, only: find_sharing, sharing_type
    use geartrain_train_bodies, only: body_count
    use geartrain_train_body, only: name_length
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: body_labels, held_labels, label_length, mesh_labels, planet_labels, shaft_labels
+   public :: body_labels, coupling_labels, held_labels, label_length, mesh_labels, shaft_labels
 
    !> Most characters of a label.
    integer, parameter :: label_length = 2*name_length + 16
@@ -52,6 +50,17 @@ contains
       end do
    end function held_labels
 
+   !> Labels of the couplings, which are the last of the meshes, (coupling).
+   pure function coupling_labels(train) result(labels)
+      !> A train that is in order.
+      type(train_type), intent(in) :: train
+      character(label_length) :: labels(count(train%meshes%is_coupling))
+
+      associate (all_meshes => mesh_labels(train))
+         labels = all_meshes(size(all_meshes) - size(labels) + 1:)
+      end associate
+   end function coupling_labels
+
    !> Labels of the meshes, their names or the driving body first; no two are equal, (mesh).
    pure function mesh_labels(train) result(labels)
       !> A train that is in order.
@@ -63,26 +72,6 @@ contains
          call find_label('mesh', train%meshes(i)%between, train%meshes(i)%name, labels, i)
       end do
    end function mesh_labels
-
-   !> Names of the planets of all planetary sets, (planet).
-   pure function planet_labels(train) result(labels)
-      !> A train that is in order.
-      type(train_type), intent(in) :: train
-      character(label_length), allocatable :: labels(:)
-      type(train_type) :: plain
-      type(sharing_type) :: sharing
-      integer :: i
-
-      allocate (labels(0))
-      if (.not. allocated(train%bodies)) return
-      call plain_train(train, plain)
-      call find_sharing(plain, sharing)
-      deallocate (labels)
-      allocate (labels(size(sharing%body)))
-      do i = 1, size(labels)
-         labels(i) = train%bodies(sharing%body(i))%name
-      end do
-   end function planet_labels
 
    !> Labels of the shafts; no two are equal, (shaft).
    pure function shaft_labels(train) result(labels)

@@ -1,13 +1,18 @@
-!> A gear pair in SI units.
+!> A gear pair in SI units; or a coupling, which is a gear pair of equal radii for all that computes.
 module geartrain_train_mesh
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_series, only: make_series, series_type
    use geartrain_base_variable, only: largest
    use geartrain_mesh_law_law, only: law_type
+   use geartrain_mesh_law_characteristic, only: characteristic_type, find_characteristic
    use geartrain_train_body, only: name_length
    implicit none (type, external)
    private
-   public :: mesh_type, has_table, is_given, most_order, plain_mesh, put_law
+   public :: mesh_type, coupling_radius, has_table, is_given, most_order, new_coupling, plain_coupling, plain_mesh, put_law, &
+      straighten
+
+   !> Displacement of a coupling per twist [m/rad]: 1 um stands for 1 mrad.
+   real(dp), parameter :: coupling_radius = 1e-3_dp
 
    !> Highest mesh frequency over the fundamental [1].
    integer, parameter :: most_order = 1000000
@@ -68,6 +73,15 @@ module geartrain_train_mesh
       real(dp) :: density = 7850
       !> Derived: static force [N] below which the stiffness by ISO 6336-1 falls; 0: the stiffness is given.
       real(dp) :: light_force = 0
+      !> A coupling: its variables are name, between, damping_ratio, damping_given, loss_factor, damping_acts and those below.
+      !> Couplings stand after the gear pairs of a train.
+      logical :: is_coupling = .false.
+      !> Stiffness [N m/rad], damping [N m s/rad] and half of the play [rad]; or corners of a polygon, (corner): twists [rad] and
+      !> torques [N m].
+      real(dp) :: torsional_stiffness = 0, torsional_damping = 0, half_play = 0
+      real(dp), allocatable :: angle(:), torque(:)
+   contains
+      procedure :: is_bent
    end type mesh_type
 
 contains
@@ -88,6 +102,47 @@ contains
       is_given = .false.
       if (allocated(list)) is_given = size(list) > 0
    end function is_given
+
+   !> A coupling without values.
+   pure type(mesh_type) function new_coupling() result(coupling)
+      coupling%is_coupling = .true.
+      coupling%internal = .true.
+      coupling%driving_radius = coupling_radius
+      coupling%driven_radius = coupling_radius
+   end function new_coupling
+
+   !> Whether the force is not proportional to the displacement: there is a gap, or a coupling has stages.
+   pure logical function is_bent(self)
+      class(mesh_type), intent(in) :: self
+
+      is_bent = self%half_backlash > 0
+      if (self%is_coupling .and. is_given(self%angle)) is_bent = is_bent .or. size(self%angle) > 2
+   end function is_bent
+
+   !> Removes the gap of a mesh, and the stages of a coupling: what is left has the stiffness beside the gap.
+   elemental subroutine straighten(mesh)
+      !> A mesh of a plain train.
+      type(mesh_type), intent(inout) :: mesh
+
+      mesh%half_backlash = 0
+      if (.not. mesh%is_coupling) return
+      mesh%torsional_stiffness = mesh%stiffness*coupling_radius**2
+      mesh%half_play = 0
+      if (allocated(mesh%angle)) deallocate (mesh%angle)
+      if (allocated(mesh%torque)) deallocate (mesh%torque)
+   end subroutine straighten
+
+   !> Makes the gear pair of a coupling.
+   pure subroutine plain_coupling(coupling)
+      !> The coupling; gets stiffness, damping and half backlash.
+      type(mesh_type), intent(inout) :: coupling
+      type(characteristic_type) :: found
+
+      call find_characteristic(coupling%torsional_stiffness, coupling%half_play, coupling%angle, coupling%torque, found)
+      coupling%stiffness = found%stiffness/coupling_radius**2
+      coupling%damping = coupling%torsional_damping/coupling_radius**2
+      coupling%half_backlash = found%half_play*coupling_radius
+   end subroutine plain_coupling
 
    !> Replaces table, contact ratio and phase of a mesh by mean stiffness and harmonics of an equal force.
    pure subroutine plain_mesh(mesh, plain)
@@ -124,6 +179,10 @@ contains
       real(dp) :: back
       integer :: h
 
+      if (mesh%is_coupling) then
+         call put_stages(mesh, length, law)
+         return
+      end if
       kappa = make_series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
       associate (b => mesh%half_backlash/length)
          if (b > 0) then
@@ -148,6 +207,22 @@ contains
          law%amplitude(:, -1) = [(back*kappa%amplitude(h)*exp(cmplx(0, -h*mesh%back_phase, dp)), h=1, size(kappa%amplitude))]
       end associate
    end subroutine put_law
+
+   !> Makes the force law of a coupling, a region for each part of its characteristic.
+   pure subroutine put_stages(mesh, length, law)
+      type(mesh_type), intent(in) :: mesh
+      real(dp), intent(in) :: length
+      type(law_type), intent(out) :: law
+      type(characteristic_type) :: found
+
+      call find_characteristic(mesh%torsional_stiffness, mesh%half_play, mesh%angle, mesh%torque, found)
+      call law%begin(found%lowest, found%corner*coupling_radius/length, [integer ::])
+      law%order = mesh%order
+      law%damping(:) = 1
+      law%stiffness(:) = found%slope/found%stiffness
+      law%origin(:) = found%origin*coupling_radius/length
+      if (mesh%damping_acts == 'contact' .and. found%half_play > 0) law%damping(0) = 0
+   end subroutine put_stages
 
    !> Sets mean stiffness and harmonics to the trigonometric polynomial of least degree through the values of a table.
    pure subroutine transform(table, mesh)

@@ -1,7 +1,8 @@
 !> How a report calls meshes, shafts and harmonics.
 module geartrain_train_names
    use geartrain_base_numbers, only: text
-   use geartrain_train_labels, only: held_labels, label_length, mesh_labels, shaft_labels
+   use geartrain_train_mesh_groups, only: mesh_word
+   use geartrain_train_labels, only: coupling_labels, held_labels, label_length, mesh_labels, shaft_labels
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -14,7 +15,8 @@ module geartrain_train_names
 
 contains
 
-   !> Names of the meshes, 'mesh 1', with the bodies where these have names: 'mesh 1 (pinion - wheel)', (mesh).
+   !> Names of the meshes, 'mesh 1', with the bodies where these have names: 'mesh 1 (pinion - wheel)', 'coupling 1 (wheel - load)',
+   !> (mesh).
    pure function mesh_names(train) result(names)
       !> The train as given.
       type(train_type), intent(in) :: train
@@ -24,8 +26,8 @@ contains
 
       labels = mesh_labels(train)
       do i = 1, size(names)
-         names(i) = 'mesh '//text(i)
-         if (allocated(train%bodies)) names(i) = 'mesh '//text(i)//' ('//trim(labels(i))//')'
+         names(i) = mesh_word(train%meshes, i)
+         if (allocated(train%bodies)) names(i) = trim(names(i))//' ('//trim(labels(i))//')'
       end do
    end function mesh_names
 
@@ -44,20 +46,27 @@ contains
       end do
    end function shaft_names
 
-   !> Names of the torques of a train: of the shafts, then 'reaction of housing' of the held bodies, (shaft, then held body).
+   !> Names of the torques of a train: of the shafts, then 'reaction of housing' of the held bodies, then of the couplings, (shaft,
+   !> then held body, then coupling).
    pure function torque_names(train) result(names)
       !> The train as given.
       type(train_type), intent(in) :: train
       character(name_length), allocatable :: names(:)
       character(label_length), allocatable :: held(:)
-      integer :: i
+      integer :: i, before
 
       held = held_labels(train)
-      allocate (names(size(train%shafts) + size(held)))
+      before = size(train%shafts) + size(held)
+      allocate (names(before + count(train%meshes%is_coupling)))
       names(:size(train%shafts)) = shaft_names(train)
       do i = 1, size(held)
          names(size(train%shafts) + i) = 'reaction of '//held(i)
       end do
+      associate (labels => coupling_labels(train))
+         do i = 1, size(labels)
+            names(before + i) = 'coupling '//text(i)//' ('//trim(labels(i))//')'
+         end do
+      end associate
    end function torque_names
 
    !> The numbers of those that are there, with a word before: 'mesh 2', 'meshes 1, 2, 5'; '' for none.

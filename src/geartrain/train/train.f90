@@ -32,6 +32,7 @@ module geartrain_train_train
       !> Derived: revolutions of this body per period of the fundamental [1]; 0: not known.
       real(dp) :: speed_ratio = 0
       type(shaft_type), allocatable :: shafts(:)
+      !> Gear pairs, then couplings.
       type(mesh_type), allocatable :: meshes(:)
       !> Planetary sets in short form; not allocated once they are expanded (geartrain_drawing_planetary_expansion).
       type(planetary_type), allocatable :: planetaries(:)

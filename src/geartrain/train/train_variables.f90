@@ -1,9 +1,10 @@
-!> The table of input variables of the train, its bodies, shafts and meshes.
+!> The table of input variables of the train, its bodies, shafts, meshes and couplings.
 !>
 !> The initial values of the types are the defaults. A visitor visits the values in the order of a case file.
 module geartrain_train_train_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_train_coupling_variables, only: visit_coupling
    use geartrain_train_body, only: body_type
    use geartrain_train_mesh, only: mesh_type, most_order
    use geartrain_train_planetary_variables, only: visit_planetary
@@ -17,7 +18,7 @@ module geartrain_train_train_variables
 
 contains
 
-   !> Visits the train, its bodies and planetary sets, then shaft 1, mesh 1, shaft 2, ...
+   !> Visits the train, its bodies and planetary sets, then shaft 1, mesh 1, shaft 2, ..., then the couplings.
    subroutine visit_model(train, visitor)
       !> The train; the visitor may change it.
       type(train_type), intent(inout) :: train
@@ -39,10 +40,14 @@ contains
       shafts = 0
       meshes = 0
       if (allocated(train%shafts)) shafts = size(train%shafts)
-      if (allocated(train%meshes)) meshes = size(train%meshes)
+      if (allocated(train%meshes)) meshes = count(.not. train%meshes%is_coupling)
       do i = 1, max(shafts, meshes)
          if (i <= shafts) call visit_shaft(train%shafts(i), i, visitor)
          if (i <= meshes) call visit_mesh(train%meshes(i), i, visitor)
+      end do
+      if (.not. allocated(train%meshes)) return
+      do i = meshes + 1, size(train%meshes)
+         call visit_coupling(train%meshes(i), i - meshes, visitor)
       end do
    end subroutine visit_model
 

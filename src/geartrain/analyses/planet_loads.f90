@@ -1,6 +1,6 @@
 !> What a report says of the planets of planetary sets: how unevenly they share the load, and which motions
 !> differ by a turn of the planets alone.
-module geartrain_report_planet_loads
+module geartrain_analyses_planet_loads
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_planet_orbits, only: number_orbits
    use geartrain_base_kinds, only: dp
@@ -84,4 +84,4 @@ contains
       end do
    end subroutine say_sharing
 
-end module geartrain_report_planet_loads
+end module geartrain_analyses_planet_loads

@@ -1,7 +1,7 @@
 !> Orders of a nearby train whose meshes repeat themselves together after fewer cycles. Three stages of hunting teeth repeat
 !> themselves after hundreds of thousands of cycles, which nothing in their motion shows: mesh frequencies that differ by a few
 !> millionths give the same motion, after some thousand cycles.
-module geartrain_network_nearby_orders
+module geartrain_train_nearby_orders
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
@@ -74,4 +74,4 @@ contains
       end do
    end function keeps_simple_ratios
 
-end module geartrain_network_nearby_orders
+end module geartrain_train_nearby_orders
