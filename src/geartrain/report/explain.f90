@@ -42,8 +42,7 @@ module geartrain_report_explain
 
 contains
 
-   !> Makes groups of fields: 'train', the name of each body, 'shaft 1', ..., 'mesh 1', ..., 'coupling 1', ..., the name of each
-   !> planetary set.
+   !> Makes groups of fields: 'train', names of bodies, 'shaft 1', ..., 'mesh 1', ..., 'coupling 1', ..., names of planetary sets.
    subroutine explain_train(train, fields)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -207,10 +206,8 @@ contains
          if (.not. k%known) return
          turns = abs(k%turning%speed(i))
          call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth'), turns)
-         if (k%revolution_order(i) > 0) &
-            call carry(fields, field_type('revolution_order', '', '1', 'its revolution (planet: against its carrier) over the &
-                                          &fundamental'), &
-                       k%revolution_order(i))
+         if (k%revolution_order(i) > 0) call carry(fields, field_type('revolution_order', '', '1', 'its revolution (of a planet &
+            &against its carrier) over the fundamental'), k%revolution_order(i))
       end associate
    end subroutine explain_body
 
