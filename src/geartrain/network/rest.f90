@@ -101,7 +101,7 @@ contains
          taken(i, n + i) = 1
       end do
       ! Without torques the errors of linear elements alone make forces.
-      call find_compliance(elements, law, length, force, compliance, gap)
+      call find_compliance(elements, law, length, force, compliance, gap, apart)
       unit = max(maxval(abs(force)), maxval(abs(misfit)/matmul(taken**2, compliance)))
       if (.not. unit > 0) return
       smooth = unit
