@@ -138,9 +138,9 @@ class Curves(Readings):
             Where to draw; a new figure unless told.
         quantity : str, optional
             A field with a column for each mesh or for each shaft, such as ``'rms'`` (of the paper), ``'true_ac_rms'``,
-            ``'dynamic_factor'``, ``'mesh_force_maximum'``; ``'load_share'`` of each planet; ``'mesh_force'`` in short, ``'shaft_torque'`` for smallest and largest
-            torque, ``'peak_to_peak'`` of the displacement. Default: ``'shaft_torque'`` with ``shaft``, ``'mesh_force'`` where
-            Lambda is the speed in rpm, else ``'rms'``.
+            ``'dynamic_factor'``, ``'mesh_force_maximum'``, or for each planet, as ``'load_share'``; ``'mesh_force'`` in short,
+            ``'shaft_torque'`` for smallest and largest torque, ``'peak_to_peak'`` of the displacement. Default:
+            ``'shaft_torque'`` with ``shaft``, ``'mesh_force'`` where Lambda is the speed in rpm, else ``'rms'``.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the frequency of a branch over frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
         jumps : bool

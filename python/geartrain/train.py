@@ -32,8 +32,8 @@ from .modes import Modes
 from .motion import Motion, from_state
 from .motions import Motions
 from .parameter import value_in, with_values
-from .run_up import RunUp
 from .planetary_picture import draw_stage
+from .run_up import RunUp
 from .schematic import draw_schematic, figure_size
 from .special_point import SpecialPoint
 from .stability_map import StabilityMap

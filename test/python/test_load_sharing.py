@@ -234,7 +234,8 @@ def test_picture_of_load_sharing(branch):
 def test_trains_without_planets_have_no_shares():
     pinion = gt.Body(name="pinion", inertia=2e-3, torque=100.0)
     wheel = gt.Body(name="wheel", inertia=9e-3, balances=True)
-    train = train_of([pinion, wheel], [gt.Mesh(between=("pinion", "wheel"), driving_radius=0.04, driven_radius=0.07, stiffness=4e8)])
+    mesh = gt.Mesh(between=("pinion", "wheel"), driving_radius=0.04, driven_radius=0.07, stiffness=4e8, damping_ratio=0.05)
+    train = train_of([pinion, wheel], [mesh])
     branch = train.response(start=0.8, stop=0.82, harmonics=2)
     assert branch.load_share is None and branch.at(0.81)[0].load_share is None
 
