@@ -52,7 +52,8 @@ def joints_of(train: Description) -> list[Joint]:
 def carried_by(train: Description) -> list[tuple[int, int]]:
     """Carriers and what rides on them, as places in `Description.body_labels`: gears of their meshes without a shaft, or all."""
     bodies, found = train.body_labels, dict[tuple[int, int], None]()
-    fixed = {name for joint in (*train.shafts, *train.couplings) for name in joint.between or ()}
+    fixed = {name for shaft in train.shafts for name in shaft.between or ()}
+    fixed |= {name for coupling in train.couplings for name in coupling.between or ()}
     fixed |= {body.name for body in train.bodies or () if body.held and body.name}
     for mesh in train.meshes:
         if mesh.carrier and mesh.between is not None:
