@@ -41,9 +41,8 @@ def joints_of(train: Description) -> list[Joint]:
     if not train.bodies:  # a chain: shaft, mesh, shaft, ..., and a body at either end of each
         shafts = [Joint(f"shaft {number + 1}", (2 * number, 2 * number + 1)) for number in range(len(train.shafts))]
         return shafts + [Joint(f"mesh {number + 1}", (2 * number + 1, 2 * number + 2)) for number in range(len(train.meshes))]
-    ends = {"shaft": [shaft.between for shaft in train.shafts]}
-    ends["mesh"] = [mesh.between for mesh in train.meshes]
-    ends["coupling"] = [coupling.between for coupling in train.couplings]
+    ends = {"shaft": [shaft.between for shaft in train.shafts], "mesh": [mesh.between for mesh in train.meshes],
+            "coupling": [coupling.between for coupling in train.couplings]}
     return [
         Joint(f"{kind} {number}", (bodies.index(between[0]), bodies.index(between[1])))
         for kind, joined in ends.items() for number, between in enumerate(joined, 1) if between is not None
@@ -53,8 +52,8 @@ def joints_of(train: Description) -> list[Joint]:
 def carried_by(train: Description) -> list[tuple[int, int]]:
     """Carriers and what rides on them, as places in `Description.body_labels`: gears of their meshes without a shaft, or all."""
     bodies, found = train.body_labels, dict[tuple[int, int], None]()
-    joined = [*(shaft.between for shaft in train.shafts), *(coupling.between for coupling in train.couplings)]
-    fixed = {name for between in joined for name in between or ()}
+    fixed = {name for shaft in train.shafts for name in shaft.between or ()}
+    fixed |= {name for coupling in train.couplings for name in coupling.between or ()}
     fixed |= {body.name for body in train.bodies or () if body.held and body.name}
     for mesh in train.meshes:
         if mesh.carrier and mesh.between is not None:

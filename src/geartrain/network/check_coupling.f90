@@ -64,8 +64,9 @@ contains
    !> Adds a problem for a coupling in a loop whose characteristic begins to bear unequally far from the angle 0: this would strain
    !> the loop.
    subroutine check_middles(meshes, network, checker)
-      !> The meshes of a plain train, and its network.
+      !> The meshes of a plain train.
       type(mesh_type), intent(in) :: meshes(:)
+      !> Its network.
       type(network_type), intent(in) :: network
       !> Gets the problems.
       class(checker_type), intent(inout) :: checker

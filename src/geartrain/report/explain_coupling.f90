@@ -19,9 +19,11 @@ contains
 
    !> Adds the group of a coupling.
    subroutine explain_coupling(train, system, damping, i, fields)
-      !> The train as given; its system; its damping.
+      !> The train as given.
       type(train_type), intent(in) :: train
+      !> Its system.
       type(system_type), intent(in) :: system
+      !> Its damping.
       type(damping_explanation_type), intent(in) :: damping
       !> Number of the coupling among all meshes.
       integer, intent(in) :: i
