@@ -14,7 +14,7 @@ program response_curve
       error stop
    end if
 
-   print '(2a)', 'The branch ', branch%ended
+   print '(2a)', 'The branch ', branch%ended%text
    print '(a, 2f8.4)', 'Largest rms of the meshes:', maxval(branch%rms, dim=2)
    do i = 1, size(branch%special_points)
       associate (special => branch%special_points(i))

@@ -32,7 +32,7 @@ contains
          call tests%is_true(.false., parameter//': '//error%message)
          return
       end if
-      if (.not. branch%complete) call tests%is_true(.false., parameter//': '//branch%ended)
+      if (.not. branch%complete) call tests%is_true(.false., parameter//': '//branch%ended%text)
    end function over
 
    !> Every output of a point against the motion of the train with its value, solved at the Lambda of the branch by itself.
@@ -75,7 +75,7 @@ contains
          if (abs(near%frequency_ratio(k) - motion%frequency_ratio) <= same*1e-3_dp*motion%frequency_ratio) exit
       end do
       if (k == 0) then
-         call tests%is_true(.false., name//': '//near%ended)
+         call tests%is_true(.false., name//': '//near%ended%text)
          return
       end if
       call build_system(train, system)

@@ -99,7 +99,7 @@ contains
          settings%stability = .false.
          settings%max_points = 100
          call response(train, settings, branch, error)
-         if (index(branch%ended, 'found to start from') > 0) failed = failed + 1
+         if (index(branch%ended%text, 'found to start from') > 0) failed = failed + 1
       end do
       call tests%holds('responses of random trains', 'a motion to start from at both ends, each time', failed == 0)
    end subroutine starts
@@ -121,7 +121,7 @@ contains
             settings%start = 0.1_dp*j
             settings%stop = 0.1_dp*j + 0.25_dp
             call response(rattling_pair(torque(i)), settings, branch, error)
-            if (index(branch%ended, 'found to start from') > 0) failed = failed + 1
+            if (index(branch%ended%text, 'found to start from') > 0) failed = failed + 1
          end do
       end do
       call tests%holds('a pair that rattles under 10 N m about 0.2, 1 and 5, Lambda from 0.1 to 2.25, harmonics by tolerance', &
@@ -131,7 +131,7 @@ contains
       settings%stop = 0.15_dp
       call response(rattling_pair(1.0_dp), settings, branch, error)
       call tests%holds('the same with 12 harmonics at 0.1, too few for it', 'told, and how many do', &
-                       index(branch%ended, 'found to start from with 12 harmonics: there is one with') > 0)
+                       index(branch%ended%text, 'found to start from with 12 harmonics: there is one with') > 0)
    end subroutine rattling_starts
 
 end module hard_settling

@@ -87,7 +87,7 @@ contains
       train%input_torque = 0
       branch = solve(train, settings_of(0.2_dp, 2.6_dp, 6))
       call tests%holds('no torque', 'told: the train floats in its gaps, its mean position is not unique', &
-                       .not. branch%complete .and. index(branch%ended, 'floats in its gaps') > 0)
+                       .not. branch%complete .and. index(branch%ended%text, 'floats in its gaps') > 0)
       train%meshes(1)%error_cos = [5e-6_dp]
       train%meshes(2)%error_cos = [5e-6_dp]
       call floating(tests, train)
@@ -126,7 +126,7 @@ contains
       settings%points = 2
       call sweep(train, settings, swept, error)
       call tests%holds('no torque, a sweep', 'told: the train floats in its gaps, its mean position is not unique', &
-                       swept%complete .and. index(swept%ended, 'floats in its gaps') > 0)
+                       swept%complete .and. index(swept%ended%text, 'floats in its gaps') > 0)
       rough = train
       rough%meshes(1)%error_cos = [200e-6_dp]
       rough%meshes(2)%error_cos = [200e-6_dp]

@@ -2,6 +2,7 @@
 module unit_drawing
    use geartrain, only: branch_type, case_type, dp, error_type, explanation_text, read_case_text, response, &
       response_settings_type, train_type, warnings_text
+   use geartrain_base_words, only: lambda, operator(//)
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, in_width
    use geartrain_readings_length_text, only: length_text, length_text_type
    use geartrain_base_kinds, only: pi
@@ -276,12 +277,12 @@ contains
       call tests%is_text(trim(told%number(1500.126_dp)), '1500', 'four digits')
       told = frequency_text(train, 'Lambda', 1500.0_dp, 1450.0_dp)
       call tests%is_text(trim(told%number(1500.126_dp)), '1500.1', 'five of a narrow range')
-      call told%of_words('from Lambda = 1450.5: closed; from Lambda = 0.5 to 1600; left the range', text)
+      call told%of_words('from '//lambda(1450.5_dp)//': closed; '//('from '//lambda(0.5_dp, 1600.0_dp)//'; left the range'), text)
       call tests%is_text(text, 'from 1450.5 rpm: closed; from 0.5 to 1600 rpm; left the range', 'numbers in words')
-      call told%of_words('step below 1e-9 at Lambda = 1.5e-4.', text)
-      call tests%is_text(text, 'step below 1e-9 at 0.00015 rpm.', 'other numbers stay, and a full stop')
+      call told%rounded(1450.53_dp, text)
+      call tests%is_text(text, '1451 rpm', 'four digits in words')
       told = frequency_text(train, 'Hz', 0.0_dp)
-      call told%of_words('reached Lambda = 1500', text)
+      call told%of_words('reached '//lambda(1500.0_dp), text)
       call tests%is_text(text, 'reached 8.098592 Hz', '1500/60 times 23/71')
       call tests%is_text(in_width(told%number(1500.0_dp), 9), '   8.0986', 'a column')
       call tests%is_text(in_width('123456789', 9), ' 123456789', 'a column that is too narrow')
@@ -291,7 +292,7 @@ contains
       train%characteristic_frequency = 1000
       train%characteristic_length = 1e-5_dp
       told = frequency_text(train, 'Lambda', 0.0_dp)
-      call told%of_words('reached Lambda = 1.5', text)
+      call told%of_words('reached '//lambda(1.5_dp), text)
       call tests%is_text(text, 'reached Lambda = 1.5', 'a Lambda of its own')
       call told%with_unit('1 to 2', text)
       call tests%is_text(text, 'Lambda 1 to 2', 'likewise a range')

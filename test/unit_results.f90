@@ -8,6 +8,7 @@ module unit_results
    use geartrain_base_field, only: lengths_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text
+   use geartrain_base_words, only: lambda, operator(//)
    use geartrain_results_file, only: check_place
    use geartrain_run_reference, only: output_reference
    use geartrain_run_results, only: write_results
@@ -175,7 +176,7 @@ contains
       call make_response(results)
       allocate (results%branches(2), results%attractors)
       results%branches(2) = results%response
-      results%branches(2)%origin = 'attractor 1 at Lambda = 0.5'
+      results%branches(2)%origin = 'attractor 1 at '//lambda(0.5_dp)
       associate (found => results%attractors)
          allocate (found%motions(2))
          found%motions%frequency_ratio = 0.5_dp
@@ -311,7 +312,7 @@ contains
          branch%estimate_doubtful = [.false., .true., .false., .false.]
          branch%point_harmonics = [2, 2, 1, 0]
          branch%segment = [1, 1, 2, 0]
-         branch%ended = 'step below 1e-9 at Lambda = 0.3'
+         branch%ended = 'step below 1e-9 at '//lambda(0.3_dp)
          allocate (branch%special_points(1))
          branch%special_points(1)%kind = 'fold'
          branch%special_points(1)%frequency_ratio = 0.25_dp

@@ -96,7 +96,7 @@ contains
       call tests%is_true(size(results%branches) > 0, 'there is a further branch')
       do i = 1, size(results%branches)
          call tests%is_true(results%branches(i)%complete .and. results%branches(i)%points > 10, 'branch: '// &
-                            results%branches(i)%origin//': '//results%branches(i)%ended)
+                            results%branches(i)%origin%text//': '//results%branches(i)%ended%text)
       end do
 
       ! Cancelled in the first branch after the response.
@@ -227,7 +227,7 @@ contains
       call run_case(case, '', results, error, told)
       associate (ramp => results%run_up)
          call tests%is_true(ramp%samples > 0 .and. ramp%windows < whole%run_up%windows .and. .not. ramp%complete, 'cancelled')
-         call tests%is_true(index(ramp%ended, 'cancelled at Lambda = ') == 1, 'says so')
+         call tests%is_true(index(ramp%ended%text, 'cancelled at Lambda = ') == 1, 'says so')
       end associate
       call run_case(case, path, results, error, counter, path//'.partial')
       call tests%is_true(.not. allocated(error), 'no error')

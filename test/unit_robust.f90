@@ -71,7 +71,8 @@ contains
       call response(rattling_pair(0.02_dp), settings_of(0.5_dp, 0.55_dp, 3, 1), branch, error, observer=observer)
       call tests%is_true(.not. allocated(error) .and. branch%cancelled .and. branch%points == 0, &
                          'a no to the flow ends the response')
-      call tests%is_true(branch%ended == 'cancelled at Lambda = 0.5' .and. observer%calls == 1, 'and it says so, after one call')
+      call tests%is_true(branch%ended%text == 'cancelled at Lambda = 0.5' .and. observer%calls == 1, &
+                         'and it says so, after one call')
    end subroutine stopped_before_a_motion
 
    !> The check value of CRC-64/XZ is that of the catalogue of parametrised CRC algorithms.
@@ -248,7 +249,7 @@ contains
       case%train%interrupt = interrupt_by(flag)
       call response(case%train, case%response, branch, error)
       call tests%is_true(branch%cancelled .and. branch%points == 0 .and. .not. branch%complete, 'a response')
-      call tests%is_text(branch%ended, 'cancelled before its first point', 'says so')
+      call tests%is_text(branch%ended%text, 'cancelled before its first point', 'says so')
       call sweep(case%train, case%integration, motions, error)
       call tests%is_true(size(motions%motions) == 0 .and. .not. motions%complete, 'a sweep')
       call attractors(case%train, case%attractors, found, error)

@@ -226,7 +226,7 @@ contains
       ! From 1.922 to 2.150 and from 2.018 to 2.228; and one that crosses the first at 1.920 and 1.394, one both at 2.149 and 1.554.
       call tests%is_true(size(branches) == 4, 'four branches of period 2')
       do i = 1, size(branches)
-         call tests%is_true(branches(i)%subharmonic == 2 .and. branches(i)%complete, 'each to its end: '//branches(i)%ended)
+         call tests%is_true(branches(i)%subharmonic == 2 .and. branches(i)%complete, 'each to its end: '//branches(i)%ended%text)
       end do
    end subroutine each_crossing_once
 

@@ -109,7 +109,7 @@ contains
       call tests%is_true(i > 0, 'claim 72: a stable period-1 motion beside it')
       if (i > 0) call tests%is_true(found%motions(i)%stable, 'claim 72: a stable period-1 motion beside it')
       call response(paper_train(), settings_of(1.2_dp, 3.6_dp, 18, 3), island, error, seed=found%motions(k))
-      call tests%is_true(island%closed, 'claim 73: an island: '//island%ended)
+      call tests%is_true(island%closed, 'claim 73: an island: '//island%ended%text)
       call tests%is_close(minval(island%frequency_ratio(:island%points)), 1.7687_dp, 2e-3_dp, 'claim 71: its lower end')
       call tests%is_close(maxval(island%frequency_ratio(:island%points)), 2.4981_dp, 2e-3_dp, 'claim 71: it ends far below 3 w_a')
       call solutions_at(paper_train(), settings_of(1.2_dp, 3.6_dp, 18, 3), island, 2.3_dp, island_motions, error)

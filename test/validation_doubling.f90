@@ -39,7 +39,7 @@ contains
       ! Found independently: 2.044; the fourth decimal is this library's own.
       call tests%is_close(once%special_points(last)%frequency_ratio, 2.0438_dp, 2e-4_dp, 'upper doubling')
       call period_doubled(paper_train(), settings, once, last, twice, error)
-      call tests%is_true(twice%complete .and. twice%points > 10, 'period 2: '//twice%ended)
+      call tests%is_true(twice%complete .and. twice%points > 10, 'period 2: '//twice%ended%text)
       call tests%is_close(twice%frequency_ratio(1), once%special_points(last)%frequency_ratio, 1e-6_dp, 'it leaves vertically')
 
       settings%subharmonic = 2
@@ -58,7 +58,7 @@ contains
       call tests%is_true(i > 0, 'the period-2 branch doubles again')
       if (i == 0) return
       call period_doubled(paper_train(), settings, twice, i, four, error)
-      call tests%is_true(four%complete .and. four%subharmonic == 4, 'period 4: '//four%ended)
+      call tests%is_true(four%complete .and. four%subharmonic == 4, 'period 4: '//four%ended%text)
       call period_four_is_genuine(tests, four)
       call period_doubled(paper_train(), settings, twice, size(twice%special_points) + 1, four, error)
       call tests%is_true(allocated(error), 'no such special point: an error')
@@ -99,8 +99,9 @@ contains
          call tests%is_true(size(branches) == 3, 'three branches')
          call tests%is_true(all(branches%complete) .and. all(branches%subharmonic == 2), 'all complete, of period 2')
          if (size(branches) /= 3) return
-         call tests%is_true(index(branches(3)%origin, 'period doubling of the response at Lambda = 3.5') == 1, branches(3)%origin)
-         call tests%is_true(index(branches(3)%ended, 'met the branch of half its period') == 1, branches(3)%ended)
+         call tests%is_true(index(branches(3)%origin%text, 'period doubling of the response at Lambda = 3.5') == 1, &
+                            branches(3)%origin%text)
+         call tests%is_true(index(branches(3)%ended%text, 'met the branch of half its period') == 1, branches(3)%ended%text)
          deallocate (branches)
       end do
 
@@ -111,8 +112,8 @@ contains
       call follow_bifurcations(paper_train(), settings, once, branches, error)
       call tests%is_true(any(branches%subharmonic == 4) .and. all(branches%subharmonic <= 4), 'twice doubled, period 4')
       call tests%is_true(all(branches%harmonics == 12*branches%subharmonic), 'as many harmonics of Lambda')
-      call tests%is_true(index(branches(size(branches))%origin, 'period doubling of branch ') == 1, &
-                         branches(size(branches))%origin)
+      call tests%is_true(index(branches(size(branches))%origin%text, 'period doubling of branch ') == 1, &
+                         branches(size(branches))%origin%text)
    end subroutine each_branch_once
 
    !> Every doubling of the two branches of period 2 is one end of one branch of period 4, with few harmonics as with many. Which
@@ -234,7 +235,7 @@ contains
       call tests%is_true(size(found%motions) == 2 .and. size(branches) == 1, 'two motions at 2.4, one of them on the response')
       if (size(branches) /= 1) return
       call tests%is_true(branches(1)%closed .and. branches(1)%complete .and. branches(1)%subharmonic == 3, 'a closed island')
-      call tests%is_text(branches(1)%origin, 'attractor 2 at Lambda = 2.4', 'origin')
+      call tests%is_text(branches(1)%origin%text, 'attractor 2 at Lambda = 2.4', 'origin')
       call follow_attractors(paper_train(), settings_of(1.0_dp, 3.2_dp, 6), found, once, branches, error)
       call tests%is_true(size(branches) == 1, 'a second time nothing is new')
    end subroutine island

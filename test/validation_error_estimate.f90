@@ -40,7 +40,7 @@ contains
       settings = settings_of(0.9_dp, 0.65_dp, 60)
       settings%stability = .false.
       call response(paper_train(), settings, reference, error)
-      call tests%is_true(reference%complete, 'reference complete: '//reference%ended)
+      call tests%is_true(reference%complete, 'reference complete: '//reference%ended%text)
       do k = 1, size(harmonics)
          write (name, '(i2)') harmonics(k)
          call response(paper_train(), settings_for(harmonics(k)), branch, error)
@@ -121,7 +121,7 @@ contains
       settings%tolerance = 1e-8_dp
       settings%stability = .false.
       call response(paper_train(), settings, branch, error)
-      call tests%is_true(branch%complete .and. index(branch%ended, 'miss') == 0, 'tolerance 1e-8: '//branch%ended)
+      call tests%is_true(branch%complete .and. index(branch%ended%text, 'miss') == 0, 'tolerance 1e-8: '//branch%ended%text)
       call tests%is_true(all(branch%error_estimate <= 1e-8_dp), 'tolerance 1e-8: every estimate is within it')
       do i = 1, branch%points, max(1, branch%points/5)
          call tests%is_close(true_error(settings, branch, branch, i), 0.0_dp, 1e-8_dp, 'tolerance 1e-8: true waveform error')
@@ -130,7 +130,7 @@ contains
       settings%tolerance = 1e-4_dp
       settings%stability = .false.
       call response(paper_train(), settings, branch, error)
-      call tests%is_true(branch%complete, 'tolerance 1e-4: '//branch%ended)
+      call tests%is_true(branch%complete, 'tolerance 1e-4: '//branch%ended%text)
       call tests%is_true(minval(branch%point_harmonics) < 12 .and. maxval(branch%point_harmonics) > 18, &
                          'harmonics are raised and lowered along the branch')
    end subroutine by_tolerance
@@ -152,7 +152,7 @@ contains
       settings = settings_of(0.02_dp, 0.0205_dp, 0)
       settings%stability = .false.
       call response(train, settings, branch, error)
-      call tests%is_true(branch%complete, 'orders 17 and 23: '//branch%ended)
+      call tests%is_true(branch%complete, 'orders 17 and 23: '//branch%ended%text)
       n = branch%points
       exact%frequency_ratio = branch%frequency_ratio(n)
       exact%period = 1

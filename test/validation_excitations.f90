@@ -89,7 +89,7 @@ contains
 
       do i = 1, 3
          call response(train, settings_of(frequency_ratio + 0.1_dp, frequency_ratio, harmonics(i)), branch, error)
-         call tests%is_true(branch%complete, name//': '//branch%ended)
+         call tests%is_true(branch%complete, name//': '//branch%ended%text)
          if (i == 1) then
             orbit%frequency_ratio = frequency_ratio
             orbit%coefficients = branch%coefficients(:, :, branch%points)

@@ -87,7 +87,7 @@ contains
       settings%harmonics = 0
       settings%tolerance = 1e-3_dp
       call response(train, settings, branch, error)
-      call tests%is_true(branch%complete, name//': '//branch%ended)
+      call tests%is_true(branch%complete, name//': '//branch%ended%text)
       call solutions_at(train, settings, branch, at, motions, error)
       call tests%is_true(size(motions) > 0, name//': a motion')
       if (size(motions) == 0) return

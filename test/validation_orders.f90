@@ -42,7 +42,7 @@ contains
          write (name, '(a, i0)') 'order ', orders(i)
          train%meshes(1)%order = orders(i)
          call response(train, settings_of(0.6_dp/orders(i), 1.6_dp/orders(i), 0), many, error)
-         call tests%is_true(many%complete, trim(name)//': '//many%ended)
+         call tests%is_true(many%complete, trim(name)//': '//many%ended%text)
          call tests%is_true(size(many%special_points) == 2, trim(name)//': two folds')
          if (size(many%special_points) /= 2) cycle
          ! Both hold the tolerance of 1e-4, not with the same numbers of harmonics.

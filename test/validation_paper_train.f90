@@ -58,7 +58,7 @@ contains
 
       settings = settings_of(0.2_dp, 2.6_dp, 6)
       call response(paper_train(), settings, up, error)
-      call tests%is_true(.not. allocated(error) .and. up%complete, 'curve reaches 2.6: '//up%ended)
+      call tests%is_true(.not. allocated(error) .and. up%complete, 'curve reaches 2.6: '//up%ended%text)
       n = 0
       do i = 1, size(up%special_points)
          if (up%special_points(i)%kind /= 'fold') cycle
@@ -213,7 +213,7 @@ contains
       call tests%is_close(motion%rms(2), expected(2), 6e-9_dp, 'integrated rms of mesh 2 at 1.92')
       settings = settings_of(1.9_dp, 1.95_dp, 24, 2)
       call response(paper_train(), settings, branch, error, seed=motion)
-      call tests%is_true(branch%points > 2, 'balance from the integrated motion: '//branch%ended)
+      call tests%is_true(branch%points > 2, 'balance from the integrated motion: '//branch%ended%text)
       call solutions_at(paper_train(), settings, branch, 1.92_dp, motions, error)
       i = closest(motions, expected(1))
       call tests%is_true(i > 0, 'period 2 on the branch at 1.92')
@@ -245,7 +245,7 @@ contains
                                                   branch%point_harmonics(p)), near, error, seed=motion)
          k = 0
          if (near%points > 0) k = minloc(abs(near%rms(1, :near%points) - branch%rms(1, p)), 1)
-         call tests%is_true(k > 0, 'a response from the fold: '//near%ended)
+         call tests%is_true(k > 0, 'a response from the fold: '//near%ended%text)
          if (k == 0) cycle
          folds = folds + 1
          ! At the fold Lambda tells the place along the branch to the root of its rounding, 1e-8.

@@ -390,11 +390,11 @@ contains
       call tests%is_true(high%rms(2) > 2*low%rms(2), 'two motions')
       call run_up(train, run_up_settings_type(0.75_dp, 0.76_dp, duration=0.01_dp), found, error, low)
       call tests%is_close(found%force_maximum(2, 1)/low%mesh_load(2)%force_maximum, 1.0_dp, 1e-2_dp, 'from the lower motion')
-      call tests%is_text(found%ended, 'reached Lambda = 0.76', 'nothing to tell')
+      call tests%is_text(found%ended%text, 'reached Lambda = 0.76', 'nothing to tell')
       call run_up(train, run_up_settings_type(0.75_dp, 0.76_dp, duration=0.01_dp, max_periods=3), found, error)
       call tests%is_true(found%complete .and. found%start_period == 0, 'not settled')
-      call tests%is_text(found%ended, 'reached Lambda = 0.76; no steady motion was found at Lambda = 0.75: the run-up begins with &
-                         &the state after 3 periods of the fundamental', 'which is told')
+      call tests%is_text(found%ended%text, 'reached Lambda = 0.76; no steady motion was found at Lambda = 0.75: the run-up begins &
+                         &with the state after 3 periods of the fundamental', 'which is told')
       call run_up(train, run_up_settings_type(0.75_dp, 0.76_dp, duration=0.01_dp, max_periods=0), found, error, low)
       do j = 1, 2
          call tests%is_close(found%displacement(j, 1), low%state(system%mesh_element(j)), 1e-14_dp, 'from the state as it is')
@@ -415,7 +415,7 @@ contains
       train%meshes(1)%half_backlash = 0
       call run_up(train, run_up_settings_type(1.6_dp, 2.4_dp, duration=1000.0_dp), found, error)
       call tests%is_true(.not. allocated(error) .and. .not. found%complete, 'not complete')
-      call tests%is_true(index(found%ended, 'the motion grows without bound at Lambda = ') == 1, 'which is told')
+      call tests%is_true(index(found%ended%text, 'the motion grows without bound at Lambda = ') == 1, 'which is told')
       call tests%is_true(all(abs(found%displacement(:, :found%samples)) < 1e7_dp), 'what is there is finite')
       call run_up(train, run_up_settings_type(2.0_dp, 2.4_dp, duration=1000.0_dp), found, error)
       call tests%is_true(allocated(error), 'and nothing where it begins like that')

@@ -141,11 +141,12 @@ contains
       settings%stability = .false.
       settings%max_points = 20
       call response(rattling_pair(0.2_dp), settings, branch, error)
-      call tests%is_true(branch%points > 0 .and. index(branch%ended, 'found to start from') == 0, 'rattling pair: '//branch%ended)
+      call tests%is_true(branch%points > 0 .and. index(branch%ended%text, 'found to start from') == 0, &
+                         'rattling pair: '//branch%ended%text)
       settings%harmonics = 12
       call response(rattling_pair(1.0_dp), settings, branch, error)
-      call tests%is_true(index(branch%ended, 'found to start from with 12 harmonics: there is one with') > 0, &
-                         'too few harmonics: '//branch%ended)
+      call tests%is_true(index(branch%ended%text, 'found to start from with 12 harmonics: there is one with') > 0, &
+                         'too few harmonics: '//branch%ended%text)
    end subroutine rattle
 
 end module validation_settling

@@ -37,7 +37,7 @@ contains
       train = single_pair(0.05_dp, 0.3_dp, 0.4_dp)
       settings = settings_of(1.6_dp, 0.6_dp, 16)
       call response(train, settings, branch, error)
-      call tests%is_true(branch%complete, 'the curve of the single pair: '//branch%ended)
+      call tests%is_true(branch%complete, 'the curve of the single pair: '//branch%ended%text)
       call solutions_at(train, settings, branch, 0.8_dp, motions, error)
       do i = 1, 2
          k = closest(motions, expected(i))
@@ -107,7 +107,7 @@ contains
       n = branch%points
       ! The torque drives gear 1 (I = 2): x'' + 0.2 x' + x = 0.5 cos(Lambda t).
       amplitude = 0.5_dp/cmplx(1 - 1.5_dp**2, 0.2_dp*1.5_dp, dp)
-      call tests%is_true(branch%complete, 'a train with nothing to iterate: '//branch%ended)
+      call tests%is_true(branch%complete, 'a train with nothing to iterate: '//branch%ended%text)
       call tests%is_close(branch%coefficients(2, 1, n), amplitude%re, 1e-13_dp, 'cos part')
       call tests%is_close(branch%coefficients(3, 1, n), -amplitude%im, 1e-13_dp, 'sin part')
       ! Multipliers of a damped oscillator: exp(T (-zeta +- i sqrt(1 - zeta^2))).

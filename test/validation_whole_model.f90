@@ -75,7 +75,7 @@ contains
       associate (settings => settings_of(1.3_dp, 0.9_dp, 0))
          call response(paper_train(), settings, branch, error)
       end associate
-      call tests%is_true(branch%complete, 'harmonics = 0: '//branch%ended)
+      call tests%is_true(branch%complete, 'harmonics = 0: '//branch%ended%text)
       call tests%is_close(branch%frequency_ratio(1), 1.3_dp, 0.0_dp, 'harmonics = 0: it begins at exactly from')
       ! The default tolerance is 1e-4; the true error may be three times its estimate.
       call tests%is_true(all(branch%error_estimate <= 1e-4_dp), 'harmonics = 0: every point within the tolerance')
@@ -134,7 +134,7 @@ contains
       settings%stability = .false.
       call response(paper_train(), settings, branch, error)
       call tests%is_true(branch%points > 1 .and. all(branch%error_estimate > 1e-13_dp), 'tolerance 1e-13: missed everywhere')
-      call tests%is_true(index(branch%ended, ' points miss the tolerance') > 0, 'tolerance 1e-13: '//branch%ended)
+      call tests%is_true(index(branch%ended%text, ' points miss the tolerance') > 0, 'tolerance 1e-13: '//branch%ended%text)
       call tests%is_true(.not. branch%complete, 'tolerance 1e-13: the branch is not complete')
    end subroutine tolerance_missed
 

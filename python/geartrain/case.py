@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ._core.box import Box, Group, file_name, fortran
 from ._core.namelist import parse
 from ._core.table import Found
-from ._core.units import units_of
+from ._core.units import in_own_unit, units_of
 from ._core.watch import watched
 from .pages.page import Page, page
 from .results.attractors import Attractors
@@ -303,7 +303,7 @@ def read_results(path: str | os.PathLike[str]) -> Results:
         box.read("results", file_name(path))
         case = Case._from(box)
         told = [
-            f"{name.replace('_', ' ')} ended early: {group.attributes['ended']}"
+            f"{name.replace('_', ' ')} ended early: {in_own_unit(group.attributes['ended'], case.train)}"
             for name in ANALYSES
             if not (group := box.results().get(f"/{name}", Group())).attributes.get("complete", True)
         ]

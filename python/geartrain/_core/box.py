@@ -18,11 +18,23 @@ import geartrain._geartrain as fortran
 from ..errors import InputError, SolverError, shown
 from .namelist import in_words_of_the_call
 
-__all__ = ["Box", "Group", "described", "file_name", "fortran"]
+__all__ = ["Box", "Group", "Words", "described", "file_name", "fortran"]
 
 Array = NDArray[Any]
 
 _INPUT, _ENDED_EARLY, _FILE, _MEMORY = 2, 3, 4, 5
+
+
+class Words(str):
+    """A sentence of a result, with what it states as values.
+
+    Attributes
+    ----------
+    places : ndarray
+        Of each Lambda in it: from, to, its first and last letter (from 1).
+    """
+
+    places: Array
 
 
 @dataclass
@@ -157,6 +169,10 @@ class Box:
             if names[-1] == "complex" and name != "complex":
                 pairs, names = np.ascontiguousarray(values), names[:-1]
                 values = pairs.view(np.complex128)[..., 0] if pairs.size else np.zeros(pairs.shape[:-1], complex)
+            if (sentence := name.removesuffix("_places")) in group.attributes:
+                group.attributes[sentence] = Words(group.attributes[sentence])
+                group.attributes[sentence].places = values
+                continue
             group.arrays[name] = values
             group.about[name] = names, unit, description
         return groups
@@ -216,6 +232,8 @@ class Box:
         for name, value in attributes.items():
             if value is not None:
                 self._put_field(path, name, np.asarray(value))
+            if isinstance(value, Words):
+                self._put_field(path, f"{name}_places", value.places)
         for name, value in arrays.items():
             if value is not None:
                 self._put_field(path, name, np.asarray(value))

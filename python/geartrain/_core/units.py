@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeVar
 
@@ -10,11 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError, shown
+from .box import Words
 from .description import Description
 
 __all__ = [
     "Unit",
     "Units",
+    "frequency_words",
     "hertz_of",
     "in_own_unit",
     "lambda_of",
@@ -51,10 +52,20 @@ def own_lambda(frequency: float, speed: float | None) -> float | None:
 
 
 def in_own_unit(words: str, train: Any) -> str:
-    """Words with "Lambda = 3600" as "3600 rpm" where Lambda is the speed in rpm."""
-    if not isinstance(train, Description) or units_of(train, None).unit != "rpm":
+    """A sentence of a result with "3600 rpm" in place of "Lambda = 3600" where Lambda is the speed in rpm."""
+    if not isinstance(words, Words) or not isinstance(train, Description) or units_of(train, None).unit != "rpm":
         return words
-    return re.sub(r"Lambda = ([-+.\de]*\d)( to [-+.\de]*\d)?", r"\1\2 rpm", words)
+    text, done = "", 0
+    for _, _, first, last in words.places.reshape(-1, 4):
+        text += f"{words[done:int(first) - 1]}{words[int(first) - 1:int(last)].removeprefix('Lambda = ')} rpm"
+        done = int(last)
+    return text + words[done:]
+
+
+def frequency_words(frequency: float, train: Any) -> str:
+    """A frequency in a sentence."""
+    own = isinstance(train, Description) and units_of(train, None).unit == "rpm"
+    return f"{frequency:g} rpm" if own else f"Lambda = {frequency:g}"
 
 
 def length_unit(train: Description | None) -> str:

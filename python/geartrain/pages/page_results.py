@@ -73,7 +73,7 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
     train = _train_of([*branches, *parts.values()])
     shown = [_of_branch(branch, place == 0 and response is not None, block, every) for place, branch in enumerate(branches)]
     over = branches[0].parameter_name if branches else ""
-    notes = [] if alone or not results.ended else [in_own_unit(results.ended, train)]
+    notes = [] if alone or not results.ended else [results.ended]
     others = [name for name in ANALYSES if name not in (*parts, "response") and getattr(results, name, None) is not None]
     if others and not alone:
         notes.append(f"In the file, but not on this page: {', '.join(others)}")
@@ -386,7 +386,7 @@ def _schematic(train: Description) -> str:
 def _of_map(chart: Any, block: Block) -> dict[str, Any]:
     """A stability map."""
     return {
-        "parameter": chart.name, "unit": chart.unit, "ended": in_own_unit(chart.ended, chart.train), "linear": chart.linear,
+        "parameter": chart.name, "unit": chart.unit, "ended": chart.ended, "linear": chart.linear,
         "words": map_words(chart),
         "lambda": block.add(chart.frequency, "f8"), "values": block.add(chart.parameter, "f8"),
         "motions": block.add(chart.motions, "i4"), "stable_motions": block.add(chart.stable_motions, "i4"),
@@ -398,7 +398,7 @@ def _of_map(chart: Any, block: Block) -> dict[str, Any]:
 def _of_locus(locus: Any, block: Block) -> dict[str, Any]:
     """The curve of a special point over frequency and a parameter."""
     return {
-        "kind": locus.kind, "parameter": locus.parameter_name, "ended": in_own_unit(locus.ended, locus.train),
+        "kind": locus.kind, "parameter": locus.parameter_name, "ended": locus.ended,
         "lambda": block.add(locus.frequency, "f8"), "values": block.add(locus.parameter, "f8"),
         "specials": [{"kind": point.kind, "at": point.frequency, "value": point.parameter} for point in locus.special_points],
     }

@@ -12,7 +12,7 @@ from .._core.box import Box
 from .._core.description import Description
 from .._core.extras import extra
 from .._core.table import Table
-from .._core.units import in_own_unit, units_of
+from .._core.units import frequency_words, units_of
 from ..errors import InputError, shown
 from ..plots.draw import COLORS, draws, new_axes
 from .motion import Motion
@@ -93,8 +93,8 @@ class Basins(Table):
 
     def __repr__(self) -> str:
         rows, columns = self.label.shape
-        words = f"{len(self.motions)} motions at Lambda = {self.frequency:g}, {rows} x {columns} starts: {self.ended}"
-        return f"<Basins of {in_own_unit(words, self.train)}>"
+        at = frequency_words(self.frequency, self.train)
+        return f"<Basins of {len(self.motions)} motions at {at}, {rows} x {columns} starts: {self.ended}>"
 
     @property
     def orbit(self) -> list[int]:

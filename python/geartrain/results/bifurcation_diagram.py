@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._core.description import Description
 from .._core.table import Table
-from .._core.units import Unit, hertz_of, in_own_unit, speed_of, units_of
+from .._core.units import Unit, hertz_of, speed_of, units_of
 from ..errors import InputError, shown
 from ..plots.draw import COLORS, draws, new_axes
 
@@ -79,7 +79,7 @@ class BifurcationDiagram(Table):
     train: Description | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
-        return f"<BifurcationDiagram of {len(self.frequency)} points: {in_own_unit(self.ended, self.train)}>"
+        return f"<BifurcationDiagram of {len(self.frequency)} points: {self.ended}>"
 
     @property
     def speed(self) -> Array | None:

@@ -17,7 +17,7 @@ from .._core.box import Box, Group, described
 from .._core.dataset import dataframe, dataset
 from .._core.description import Description, mesh_names, planet_names, shaft_names
 from .._core.parameter import with_values
-from .._core.units import Unit, hertz_of, in_own_unit, lambda_of, length_unit, speed_of
+from .._core.units import Unit, frequency_words, hertz_of, in_own_unit, lambda_of, length_unit, speed_of
 from .._core.watch import watched
 from ..errors import InputError, SolverError, shown
 from ..pages.page import Page, page
@@ -201,7 +201,8 @@ class Branch(Curves):
             frequency = lambda_of(train, frequency, unit)
         ends = self._range()
         if ends and abs(frequency - sum(ends) / 2) > (0.5 + 1e-9) * abs(ends[0] - ends[1]):
-            words = in_own_unit(f"{self.parameter_name or 'Lambda'} = {frequency:g}", train)
+            name = self.parameter_name
+            words = f"{name} = {frequency:g}" if name else frequency_words(frequency, train)
             warnings.warn(f"{words}: outside the range of the branch, {min(ends):g} to {max(ends):g}", stacklevel=3)
 
         def work(progress: NDArray[np.float64]) -> list[Motion]:

@@ -13,7 +13,7 @@ from .._core.box import Box, Group
 from .._core.description import Description
 from .._core.table import Table
 from .._core.text_table import Rows
-from .._core.units import Unit, in_own_unit, own_lambda, speed_of, units_of
+from .._core.units import Unit, own_lambda, speed_of, units_of
 from ..errors import InputError, shown
 from ..plots.draw import draws, new_axes
 
@@ -127,7 +127,7 @@ class Locus(Table):
         return len(self.frequency)
 
     def __repr__(self) -> str:
-        return f"<Locus of a {self.kind} over {self.parameter_name}, {len(self)} points: {in_own_unit(self.ended, self.train)}>"
+        return f"<Locus of a {self.kind} over {self.parameter_name}, {len(self)} points: {self.ended}>"
 
     @classmethod
     def _from(cls, box: Box, train: Description | None = None) -> Self | None:

@@ -14,7 +14,7 @@ from .._core.dataset import dataset
 from .._core.description import Description
 from .._core.extras import extra
 from .._core.table import Table
-from .._core.units import Unit, hertz_of, in_own_unit, speed_of, units_of
+from .._core.units import Unit, hertz_of, speed_of, units_of
 from ..errors import InputError, shown
 from ..plots.captions import number_words
 from ..plots.draw import COLORS, draws, new_axes
@@ -97,7 +97,7 @@ class StabilityMap(Table):
 
     def __repr__(self) -> str:
         rows, points = self.motions.shape
-        return f"<StabilityMap of {self.name} x Lambda, {rows} x {points}: {in_own_unit(self.ended, self.train)}>"
+        return f"<StabilityMap of {self.name} x Lambda, {rows} x {points}: {self.ended}>"
 
     @property
     def spectral_radius(self) -> Array:

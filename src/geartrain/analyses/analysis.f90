@@ -9,6 +9,8 @@ module geartrain_analyses_analysis
    use geartrain_base_observer, only: observer_type
    use geartrain_base_sheet, only: sheet_type
    use geartrain_base_variable, only: visitor_type
+   use geartrain_base_words, only: words_type
+   use geartrain_network_check_train, only: check_train
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -67,15 +69,13 @@ module geartrain_analyses_analysis
          type(motion_type), intent(in), optional :: start
       end subroutine run_interface
 
-      !> Tells how the work ended.
-      subroutine tell_end_interface(self, complete, ended)
-         import :: analysis_type
+      !> Tells why the work ended early.
+      subroutine tell_end_interface(self, early)
+         import :: analysis_type, words_type
          implicit none (type, external)
          class(analysis_type), intent(in) :: self
-         !> Whether the result is all that was asked for.
-         logical, intent(out) :: complete
-         !> Why the work ended, in words; '': the work is under way.
-         character(:), allocatable, intent(out) :: ended
+         !> Why; not allocated: the result is all that was asked for.
+         type(words_type), allocatable, intent(out) :: early
       end subroutine tell_end_interface
 
       !> Visits the fields of the result, see geartrain_base_fields.
@@ -121,14 +121,16 @@ contains
       end associate
    end subroutine check
 
-   !> Checks the values of the group; the error tells every problem, one a line.
+   !> Checks the train, then the values of the group; the error tells every problem, one a line.
    subroutine check_alone(self, train, error)
       class(analysis_type), intent(inout) :: self
-      !> A train that check_train accepts.
+      !> The train as described.
       type(train_type), intent(in) :: train
       type(error_type), allocatable, intent(out) :: error
       type(checker_type) :: checker
 
+      call check_train(train, error)
+      if (allocated(error)) return
       call self%visit_variables(checker)
       call self%check(train, .false., checker)
       call checker%problems%raise('', error)

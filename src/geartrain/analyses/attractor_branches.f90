@@ -6,6 +6,7 @@ module geartrain_analyses_attractor_branches
    use geartrain_base_error, only: error_type
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//)
    use geartrain_bifurcation_bifurcations, only: add_branch
    use geartrain_readings_solutions, only: exceeds_limit, lies_on
    use geartrain_trace_branch, only: branch_type, response_settings_type
@@ -46,7 +47,7 @@ contains
             if (motion%period == 0) cycle
             in_force = settings_for(settings, motion%period)
             if (on_a_branch(train, in_force, motion, branch, branches)) cycle
-            call add_branch(branches, 'attractor '//text(i)//' at Lambda = '//text(motion%frequency_ratio))
+            call add_branch(branches, 'attractor '//text(i)//' at '//lambda(motion%frequency_ratio))
             n = size(branches)
             if (n <= traced) then
                branches(n) = known(n)

@@ -12,11 +12,12 @@ module geartrain_analyses_attractors
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: counted, fixed, significant, text
+   use geartrain_base_numbers, only: counted, fixed, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_shared_observer, only: shared_observer_type
    use geartrain_base_sheet, only: in_quality, in_result, sheet_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_base_words, only: words_type
    use geartrain_flow_aperiodic, only: aperiodic_type
    use geartrain_flow_floating, only: note_of
    use geartrain_flow_integration_settings, only: integration_settings_type
@@ -24,7 +25,6 @@ module geartrain_analyses_attractors
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: need_to_settle, settle
    use geartrain_flow_start_state, only: random_state
-   use geartrain_network_check_train, only: check_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency, check_harmonics
    use geartrain_network_long_period, only: check_long_period, visit_long_period
@@ -127,9 +127,9 @@ contains
       call v%leave()
    end subroutine visit_variables
 
-   !> Checks the settings of a search; the error tells every problem, one a line.
+   !> Checks the train and the settings of a search; the error tells every problem, one a line.
    subroutine check_attractors(train, settings, error)
-      !> A train that check_train accepts.
+      !> The train as described.
       type(train_type), intent(in) :: train
       !> The settings.
       type(attractors_settings_type), intent(in) :: settings
@@ -175,14 +175,11 @@ contains
       if (.not. allocated(self%result%ended)) call attractors(train, self%settings, self%result, error, observer)
    end subroutine run
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(attractors_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = self%result%complete
-      ended = ''
-      if (allocated(self%result%ended)) ended = self%result%ended
+      if (.not. self%result%complete) early = words_type(self%result%ended)
    end subroutine tell_end
 
    !> Settles settings%starts random states, in parallel; the results do not depend on the number of threads.
@@ -213,8 +210,7 @@ contains
       logical :: keep_going, stopped
 
       if (allocated(found%ended) .or. .not. allocated(found%motions)) found = empty
-      call check_train(train, error)
-      if (.not. allocated(error)) call check_attractors(train, settings, error)
+      call check_attractors(train, settings, error)
       if (allocated(error)) return
       call build_system(train, system)
       integration%harmonics = settings%harmonics
@@ -418,8 +414,9 @@ contains
       associate (found => self%result, unused => torques)
          told = frequency_text(train, self%settings%unit, 0.0_dp)
          lengths = length_text(train)
-         call told%of_words('Attractors at Lambda = '//significant(found%frequency_ratio), words)
-         call sheet%say(in_result, words//': '//counted(size(found%motions), 'steady motion', 'steady motions')//' from '// &
+         call told%rounded(found%frequency_ratio, words)
+         call sheet%say(in_result, 'Attractors at '//words//': '// &
+                        counted(size(found%motions), 'steady motion', 'steady motions')//' from '// &
                         counted(found%starts, 'random start', 'random starts')//'; '//fixed(100*found%unsettled, 1)// &
                         ' % did not settle.')
          if (size(found%motions) > 0) call sheet%add(in_result, 'motion  period   share [%]  state           '// &
@@ -436,9 +433,8 @@ contains
          end do
          if (allocated(found%motions)) call say_orbits(train, found%motions, sheet)
          if (.not. allocated(found%ended)) return
-         call told%of_words(found%ended, words)
-         if (words /= 'all starts done' .or. sheet%verbose) &
-            call sheet%say(in_quality, 'The search for attractors ended: '//words//'.')
+         if (found%ended /= 'all starts done' .or. sheet%verbose) &
+            call sheet%say(in_quality, 'The search for attractors ended: '//found%ended//'.')
       end associate
    end subroutine report
 

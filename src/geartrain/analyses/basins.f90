@@ -10,6 +10,7 @@ module geartrain_analyses_basins
    use geartrain_analyses_attractors, only: attractors, attractors_settings_type, attractors_type, collect, error_share
    use geartrain_analyses_basin_grid, only: basins_settings_type, basins_type, check_basins, not_done, ran_away, unsettled, &
       visit_basins
+   use geartrain_base_words, only: words_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
@@ -17,7 +18,7 @@ module geartrain_analyses_basins
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_memory, only: need
-   use geartrain_base_numbers, only: fixed, significant, text
+   use geartrain_base_numbers, only: fixed, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_shared_observer, only: shared_observer_type
    use geartrain_base_variable, only: visitor_type
@@ -29,7 +30,6 @@ module geartrain_analyses_basins
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state, state_of
-   use geartrain_network_check_train, only: check_train
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
    use geartrain_network_units, only: mesh_frequencies
@@ -101,14 +101,11 @@ contains
       if (.not. allocated(self%result%ended)) call basins(train, self%settings, self%result, error, observer, start)
    end subroutine run
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(basins_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = self%result%complete
-      ended = ''
-      if (allocated(self%result%ended)) ended = self%result%ended
+      if (.not. self%result%complete) early = words_type(self%result%ended)
    end subroutine tell_end
 
    !> Finds the motion that each start of a grid reaches, in parallel; the results do not depend on the number of threads.
@@ -137,10 +134,9 @@ contains
       integer :: done, rows, i
       logical :: keep_going
 
-      call check_train(train, error)
       copy = settings
       analysis%settings => copy
-      if (.not. allocated(error)) call analysis%check_alone(train, error)
+      call analysis%check_alone(train, error)
       if (allocated(error)) return
       call build_system(train, system)
       if (allocated(found%ended) .or. .not. allocated(found%label)) &
@@ -408,10 +404,10 @@ contains
 
       associate (found => self%result, unused => torques)
          told = frequency_text(train, self%settings%unit, 0.0_dp)
-         call told%of_words('Basins at Lambda = '//significant(found%frequency_ratio), words)
-         call sheet%say(in_result, words//': '//text(size(found%displacement))//' x '//text(size(found%velocity))//' starts; '// &
-                        fixed(100*found%unsettled, 1)//' % did not settle, '//fixed(100*found%unbounded, 1)// &
-                        ' % grew without bound.')
+         call told%rounded(found%frequency_ratio, words)
+         call sheet%say(in_result, 'Basins at '//words//': '//text(size(found%displacement))//' x '// &
+                        text(size(found%velocity))//' starts; '//fixed(100*found%unsettled, 1)// &
+                        ' % did not settle, '//fixed(100*found%unbounded, 1)//' % grew without bound.')
          if (size(found%motions) > 0) call sheet%add(in_result, 'motion  period   of the grid   of random starts')
          do i = 1, size(found%motions)
             if (.not. allocated(found%grid_share)) exit
@@ -421,9 +417,8 @@ contains
          end do
          if (allocated(found%motions)) call say_orbits(train, found%motions, sheet)
          if (.not. allocated(found%ended)) return
-         call told%of_words(found%ended, words)
-         if (words /= 'all starts done' .or. sheet%verbose) &
-            call sheet%say(in_quality, 'The basins ended: '//words//'.')
+         if (found%ended /= 'all starts done' .or. sheet%verbose) &
+            call sheet%say(in_quality, 'The basins ended: '//found%ended//'.')
       end associate
    end subroutine report
 

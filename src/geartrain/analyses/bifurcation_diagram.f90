@@ -3,7 +3,7 @@
 module geartrain_analyses_bifurcation_diagram
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan, ieee_quiet_nan, ieee_value
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
-   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
+   use geartrain_base_words, only: words_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_checker, only: checker_type
@@ -18,7 +18,6 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_flow_motion_fields, only: about_frequency, about_mesh
    use geartrain_flow_long_run, only: find_long_run
    use geartrain_flow_start_state, only: resting_state, state_of
-   use geartrain_network_check_train, only: check_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency
    use geartrain_network_long_period, only: check_long_period, visit_long_period
@@ -158,14 +157,11 @@ contains
          call bifurcation_diagram(train, self%settings, self%result, error, observer, start)
    end subroutine run
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(bifurcation_diagram_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = self%result%complete
-      ended = ''
-      if (allocated(self%result%ended)) ended = self%result%ended
+      if (.not. self%result%complete) early = words_type(self%result%ended)
    end subroutine tell_end
 
    !> Follows the attractor over frequency; the directions in parallel.
@@ -189,10 +185,9 @@ contains
       integer :: way
       logical :: keep_going
 
-      call check_train(train, error)
       copy = settings
       analysis%settings => copy
-      if (.not. allocated(error)) call analysis%check_alone(train, error)
+      call analysis%check_alone(train, error)
       if (allocated(error)) return
       call build_system(train, system)
       if (allocated(found%ended) .or. .not. allocated(found%kind)) call make_room(train, system, settings, found, error)
@@ -371,23 +366,20 @@ contains
       type(train_type), intent(in) :: train
       type(sheet_type), intent(inout) :: sheet
       type(torque_table_type), intent(inout) :: torques
-      type(frequency_text_type) :: told
       character(14), parameter :: kinds(6) = [character(14) :: 'periodic', 'quasi-periodic', 'chaotic', 'still settling', &
                                               'undecided', 'unbounded']
       character(:), allocatable :: words
       integer :: i
 
-      told = frequency_text(train, self%settings%unit, 0.0_dp)
-      associate (found => self%result, unused => torques)
+      associate (found => self%result, unused => torques, unused_train => train)
          words = 'Bifurcation diagram: '//counted(size(found%kind), 'motion', 'motions')
          do i = 1, size(kinds)
             if (any(found%kind == kinds(i))) words = words//', '//text(count(found%kind == kinds(i)))//' '//trim(kinds(i))
          end do
          call sheet%say(in_result, words//'.')
          if (.not. allocated(found%ended)) return
-         call told%of_words(found%ended, words)
-         if (words /= 'all points done' .or. sheet%verbose) &
-            call sheet%say(in_quality, 'The bifurcation diagram ended: '//words//'.')
+         if (found%ended /= 'all points done' .or. sheet%verbose) &
+            call sheet%say(in_quality, 'The bifurcation diagram ended: '//found%ended//'.')
       end associate
    end subroutine report
 

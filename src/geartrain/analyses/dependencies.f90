@@ -2,8 +2,9 @@
 !> are refined and the edges of contact are located.
 module geartrain_analyses_dependencies
    use geartrain_analyses_attractor_branches, only: follow_attractors
+   use geartrain_base_words, only: words_type
    use geartrain_readings_frequency_text, only: frequency_text_type, text_for
-   use geartrain_analyses_list, only: analyses, case_type, leave_out, results_type
+   use geartrain_analyses_list, only: case_type, results_type
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
@@ -85,15 +86,15 @@ contains
    subroutine keep_branches(case)
       !> The case.
       type(case_type), intent(inout) :: case
-      integer :: i
+      type(case_type) :: kept
 
-      do i = 1, size(analyses)
-         if (analyses(i)%name == 'response') cycle
-         if (analyses(i)%name == 'attractors' .and. allocated(case%attractors)) then
-            if (case%attractors%follow) cycle
-         end if
-         call leave_out(i, case)
-      end do
+      kept%train = case%train
+      call move_alloc(case%response, kept%response)
+      if (allocated(case%attractors)) then
+         if (case%attractors%follow) call move_alloc(case%attractors, kept%attractors)
+      end if
+      call move_alloc(case%output_file, kept%output_file)
+      case = kept
    end subroutine keep_branches
 
    !> Moves the further branches that another run has traced out of its results, and drops the last branch, which may be under way.
@@ -156,11 +157,11 @@ contains
       told = text_for(branch, train, 'Lambda')
       if (allocated(branch%origin)) then
          call told%of_words(branch%origin, words)
-         branch%origin = words
+         branch%origin = words_type(words)
       end if
       if (allocated(branch%ended)) then
          call told%of_words(branch%ended, words)
-         branch%ended = words
+         branch%ended = words_type(words)
       end if
    end subroutine name_parameter
 

@@ -4,7 +4,7 @@ module geartrain_analyses_integration
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_steady_motion, only: check_start, find_steady, need_to_find
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_carry, only: carry, carry_words
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_field, only: field => field_type
@@ -14,6 +14,7 @@ module geartrain_analyses_integration
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_flow_motion_fields, only: visit_motions
    use geartrain_flow_floating, only: note_of
    use geartrain_flow_integration_settings, only: integration_settings_type
@@ -47,7 +48,7 @@ module geartrain_analyses_integration
       !> Direction of the sweep at each motion, 'up' or 'down', (motion).
       character(4), allocatable :: direction(:)
       !> 'all points done', or why not; and a note where the train floats in its gaps. Not allocated: the sweep is under way.
-      character(:), allocatable :: ended
+      type(words_type), allocatable :: ended
       !> Whether all frequencies are done.
       logical :: complete = .false.
    end type sweep_type
@@ -101,7 +102,7 @@ contains
 
    !> Checks the settings of a sweep; the error tells every problem, one a line.
    subroutine check_integration(train, settings, error)
-      !> A train that check_train accepts.
+      !> The train as described.
       type(train_type), intent(in) :: train
       !> The settings.
       type(integration_settings_type), intent(in) :: settings
@@ -151,14 +152,11 @@ contains
       if (.not. allocated(self%result%ended)) call sweep(train, self%settings, self%result, error, observer)
    end subroutine run
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(integration_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = self%result%complete
-      ended = ''
-      if (allocated(self%result%ended)) ended = self%result%ended
+      if (.not. self%result%complete) early = self%result%ended
    end subroutine tell_end
 
    !> Visits settings%points frequencies between start and stop, upwards, downwards or both. A frequency without a steady motion has
@@ -189,8 +187,6 @@ contains
       resumed = allocated(result%motions) .and. .not. allocated(result%ended)
       if (resumed) resumed = size(result%motions) == total
       if (.not. resumed) result = empty
-      call check_train(train, error)
-      if (allocated(error)) return
       call check_integration(train, settings, error)
       if (allocated(error)) return
       call build_system(train, system)
@@ -235,8 +231,8 @@ contains
          if (.not. keep_going) exit
       end do
       result%complete = done == total
-      result%ended = 'all points done'
-      if (.not. result%complete) result%ended = 'cancelled at Lambda = '//text(frequency_ratio)
+      result%ended = words_type('all points done')
+      if (.not. result%complete) result%ended = 'cancelled at '//lambda(frequency_ratio)
       result%ended = result%ended//note_of(any(result%motions%floating))
       if (result%complete) return
       result%motions = result%motions(:done)
@@ -289,9 +285,9 @@ contains
          call fatal(error, 'interrupted before the motion was steady', status_ended_early)
          return
       else if (.not. allocated(motion%coefficients)) then
-         call fatal(error, 'the motion grows without bound at Lambda = '// &
-                    text(frequency_ratio)//': it was given up at a displacement &
-                    &of '//text(maxval(abs(state(:system%displacements))))//' characteristic lengths', status_ended_early)
+         call fatal(error, 'the motion grows without bound at '//lambda(frequency_ratio)// &
+                    ': it was given up at a displacement of '//text(maxval(abs(state(:system%displacements))))// &
+                    ' characteristic lengths', status_ended_early)
       end if
    end subroutine integrate
 
@@ -346,8 +342,8 @@ contains
       n = 0
       if (allocated(sweep%motions)) n = count(sweep%motions%frequency_ratio > 0)
       if (n > 0) call fields%describe('coordinates', 'frequency direction')
-      call carry_text(fields, field('ended', '', '', 'why it ended, in words'), &
-                      sweep%ended, 'not yet: these are the points so far')
+      call carry_words(fields, field('ended', '', '', 'why it ended, in words'), &
+                       sweep%ended, 'not yet: these are the points so far')
       call carry(fields, field('complete', '', '', '1 = all points are done'), sweep%complete)
       call fields%index_axis('point', n, 'point, in the order visited')
       if (allocated(fields%wrong)) return

@@ -173,40 +173,24 @@ contains
       end select
    end subroutine find_analysis
 
-   !> Removes an analysis from a case, from results or from both.
-   subroutine leave_out(number, case, results)
+   !> Removes the result of an analysis.
+   subroutine leave_out(number, results)
       !> Number of the analysis in the list.
       integer, intent(in) :: number
-      !> The case, which does not ask for the analysis from here on.
-      type(case_type), intent(inout), optional :: case
       !> The results, which have no result of the analysis from here on.
-      type(results_type), intent(inout), optional :: results
-      type(case_type) :: nothing
+      type(results_type), intent(inout) :: results
       type(results_type) :: none
 
       associate (name => analyses(number)%name)
-         if (present(case)) then
-            if (name == 'modes') case%modes = .false.
-            if (name == 'response') call move_alloc(nothing%response, case%response)
-            if (name == 'integration') call move_alloc(nothing%integration, case%integration)
-            if (name == 'attractors') call move_alloc(nothing%attractors, case%attractors)
-            if (name == 'basins') call move_alloc(nothing%basins, case%basins)
-            if (name == 'bifurcation_diagram') call move_alloc(nothing%bifurcation_diagram, case%bifurcation_diagram)
-            if (name == 'stability_map') call move_alloc(nothing%stability_map, case%stability_map)
-            if (name == 'run_up') call move_alloc(nothing%run_up, case%run_up)
-            if (name == 'locus') call move_alloc(nothing%locus, case%locus)
-         end if
-         if (present(results)) then
-            if (name == 'modes') call move_alloc(none%modes, results%modes)
-            if (name == 'response') call move_alloc(none%response, results%response)
-            if (name == 'integration') call move_alloc(none%integration, results%integration)
-            if (name == 'attractors') call move_alloc(none%attractors, results%attractors)
-            if (name == 'basins') call move_alloc(none%basins, results%basins)
-            if (name == 'bifurcation_diagram') call move_alloc(none%bifurcation_diagram, results%bifurcation_diagram)
-            if (name == 'stability_map') call move_alloc(none%stability_map, results%stability_map)
-            if (name == 'run_up') call move_alloc(none%run_up, results%run_up)
-            if (name == 'locus') call move_alloc(none%locus, results%locus)
-         end if
+         if (name == 'modes') call move_alloc(none%modes, results%modes)
+         if (name == 'response') call move_alloc(none%response, results%response)
+         if (name == 'integration') call move_alloc(none%integration, results%integration)
+         if (name == 'attractors') call move_alloc(none%attractors, results%attractors)
+         if (name == 'basins') call move_alloc(none%basins, results%basins)
+         if (name == 'bifurcation_diagram') call move_alloc(none%bifurcation_diagram, results%bifurcation_diagram)
+         if (name == 'stability_map') call move_alloc(none%stability_map, results%stability_map)
+         if (name == 'run_up') call move_alloc(none%run_up, results%run_up)
+         if (name == 'locus') call move_alloc(none%locus, results%locus)
       end associate
    end subroutine leave_out
 

@@ -1,9 +1,10 @@
 !> The analysis &locus: the curve of a special point or contact onset over Lambda and a parameter of the train.
 module geartrain_analyses_locus
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_base_words, only: words_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_carry, only: carry, carry_text, carry_words
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, in_a_line, status_ended_early, status_input
    use geartrain_base_field, only: field => field_type
@@ -183,7 +184,7 @@ contains
          told = frequency_text(train, settings%unit, maxval(self%result%frequency_ratio))
       end associate
       call told%of_words(self%result%ended, ended)
-      self%result%ended = ended
+      self%result%ended = words_type(ended)
    end subroutine run
 
    !> A kind as special points have it, with a blank.
@@ -234,14 +235,11 @@ contains
       motion = exact%motion
    end subroutine find_start
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(locus_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = self%result%complete
-      ended = ''
-      if (allocated(self%result%ended)) ended = self%result%ended
+      if (.not. self%result%complete) early = self%result%ended
    end subroutine tell_end
 
    subroutine visit_fields(self, train, fields, summary)
@@ -257,7 +255,7 @@ contains
          if (allocated(locus%frequency_ratio)) call fields%describe('coordinates', 'frequency parameter')
          n = 2
          call fields%index_axis('side', n, 'end of the curve: 1 its first point, 2 its last one')
-         call carry_text(fields, field('ended', '', '', 'why the curve ended at either end, in words'), locus%ended, 'not yet')
+         call carry_words(fields, field('ended', '', '', 'why the curve ended at either end, in words'), locus%ended, 'not yet')
          call carry(fields, field('ends', 'side', '', "why the curve ended at its first and last point: range (end of the range of &
                                   &the parameter), closed, corner (the motion grazes a wall of a gap), double point, limit, &
                                   &symmetry, cancelled, failed", optional=.true.), locus%ends)
@@ -329,13 +327,14 @@ contains
       associate (locus => self%result, unused => torques)
          if (.not. allocated(locus%ended)) return
          told = frequency_text(train, self%settings%unit, maxval([0.0_dp, locus%frequency_ratio]))
-         call told%of_words(trim(locus%kind)//' at Lambda = '//significant(locus%start_frequency), words)
-         call sheet%say(in_result, 'Locus of the '//words//' over '//trim(locus%name)//': '// &
+         call told%rounded(locus%start_frequency, words)
+         call sheet%say(in_result, 'Locus of the '//trim(locus%kind)//' at '//words//' over '//trim(locus%name)//': '// &
                         counted(size(locus%frequency_ratio), 'point', 'points')//'.')
          do i = 1, size(locus%special_points)
             associate (special => locus%special_points(i))
-               call told%of_words(trim(special%kind)//' at Lambda = '//significant(special%frequency_ratio), words)
-               call sheet%say(in_result, '  '//words//', '//locus%name//' = '//significant(special%parameter))
+               call told%rounded(special%frequency_ratio, words)
+               call sheet%say(in_result, '  '//trim(special%kind)//' at '//words//', '//locus%name//' = '// &
+                              significant(special%parameter))
             end associate
          end do
          call told%of_words(locus%ended, words)

@@ -12,6 +12,7 @@ module geartrain_analyses_modes
    use geartrain_base_observer, only: observer_type
    use geartrain_base_sheet, only: sheet_type
    use geartrain_base_variable, only: visitor_type
+   use geartrain_base_words, only: words_type
    use geartrain_network_natural_modes, only: modes_type, natural_modes
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -61,13 +62,11 @@ contains
       call observer%on_step('modes', size(self%result%natural_frequency), 0.0_dp, keep_going)
    end subroutine run
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(modes_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = associated(self%result)
-      ended = ''
+      if (.not. associated(self%result)) early = words_type('')
    end subroutine tell_end
 
    subroutine visit_fields(self, train, fields, summary)

@@ -1,6 +1,7 @@
 !> The analysis &response: the branch of periodic motions over frequency, which geartrain_analyses_response_branch traces.
 module geartrain_analyses_response
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_base_words, only: words_type
    use geartrain_readings_frequency_text, only: frequency_text_type, text_for
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_checker, only: checker_type
@@ -81,7 +82,7 @@ contains
          if (allocated(branch%ended)) then
             told = text_for(branch, train, self%settings%unit)
             call told%of_words(branch%ended, ended)
-            branch%ended = ended
+            branch%ended = words_type(ended)
          end if
          if (allocated(error) .or. branch%cancelled .or. branch%points == 0 .or. train%interrupt%raised()) return
          ! The time after the last step of the trace counts as time of the response.
@@ -90,14 +91,11 @@ contains
       end associate
    end subroutine run
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(response_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = self%result%complete
-      ended = ''
-      if (allocated(self%result%ended)) ended = self%result%ended
+      if (.not. self%result%complete) early = self%result%ended
    end subroutine tell_end
 
    subroutine visit_fields(self, train, fields, summary)

@@ -8,6 +8,7 @@ module geartrain_analyses_response_branch
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_flow_floating, only: can_float, note_of
    use geartrain_network_check_train, only: check_train
    use geartrain_network_system, only: system_type
@@ -104,7 +105,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       class(observer_type), intent(inout), optional :: observer
       integer :: outcome
-      character(:), allocatable :: reason
+      type(words_type), allocatable :: reason
 
       outcome = 0
       if (.not. branch%trace%from_stop) then
@@ -121,7 +122,7 @@ contains
       if (branch%cancelled .and. outcome /= cancelled) outcome = known_start
       if (outcome /= known_start) then
          branch%complete = outcome == reached_end .or. branch%trace%whole .and. followed_out(outcome)
-         branch%ended = 'from Lambda = '//text(start)//': '//branch%ended//'; from Lambda = '//text(stop)//': '//reason
+         branch%ended = 'from '//lambda(start)//': '//branch%ended//'; from '//lambda(stop)//': '//reason
       end if
       ! The trace from `stop` reached the first point of the trace from `start`: it holds all points of the trace from `start`.
       if (outcome == reached_end .and. branch%trace%first_points > 0) then
@@ -150,7 +151,7 @@ contains
       real(dp), intent(in) :: from, to
       type(branch_type), intent(inout), target :: branch
       integer, intent(out) :: outcome
-      character(:), allocatable, intent(out) :: reason
+      type(words_type), allocatable, intent(out) :: reason
       class(observer_type), intent(inout), optional :: observer
       type(solution_point_type) :: solution, began
       integer :: enough
@@ -159,7 +160,7 @@ contains
       outcome = 0
       if (.not. tracer%resumes) then
          branch%trace%steps = 0
-         branch%trace%before = ''
+         branch%trace%before = words_type('')
          ! Not known yet: that at hand is of the trace from the other end.
          tracer%curvature = 0
          call tracer%note_state(branch%trace)
@@ -167,11 +168,11 @@ contains
          if (stopped .and. .not. tracer%system%interrupt%raised()) then
             outcome = cancelled
             branch%cancelled = .true.
-            reason = 'cancelled at Lambda = '//text(from)
+            reason = 'cancelled at '//lambda(from)
             return
          end if
          if (.not. success) then
-            reason = 'no motion of period '//text(tracer%settings%subharmonic)//' found to start from'
+            reason = words_type('no motion of period '//text(tracer%settings%subharmonic)//' found to start from')
             if (enough == 0) reason = reason//', neither from rest, by integration, nor by branches from other frequencies or from &
                                       &a smaller stiffness variation'
             if (enough > 0) reason = reason//' with '//text(tracer%corrector%balance%highest)//' harmonics: there is one with ' &
@@ -225,8 +226,8 @@ contains
       low = min(tracer%settings%start, tracer%settings%stop)
       high = max(tracer%settings%start, tracer%settings%stop)
       if (seed%period < 1 .or. mod(tracer%settings%subharmonic, max(1, seed%period)) /= 0) then
-         branch%ended = 'the seed has period '//text(seed%period)//', which does not divide subharmonic = ' &
-                        //text(tracer%settings%subharmonic)
+         branch%ended = words_type('the seed has period '//text(seed%period)//', which does not divide subharmonic = ' &
+                                   //text(tracer%settings%subharmonic))
          return
       end if
       own = seed
@@ -234,24 +235,25 @@ contains
          ! The seed is a motion of the train as it is.
          associate (path => tracer%corrector%balance%path)
             if (abs(seed%frequency_ratio - path%frequency_ratio) > same_frequency*path%frequency_ratio) then
-               branch%ended = 'the seed has another frequency, '//text(seed%frequency_ratio)//' in place of ' &
-                              //text(path%frequency_ratio)
+               branch%ended = words_type('the seed has another frequency, '//text(seed%frequency_ratio)//' in place of ' &
+                                         //text(path%frequency_ratio))
                return
             end if
             own%frequency_ratio = path%own_value
             if (.not. path%holds_train) then
-               branch%ended = '"'//path%name//'" has more than one value in the train of the seed, which is on no branch over it'
+               branch%ended = words_type('"'//path%name//'" has more than one value in the train of the seed, which is on no &
+                                         &branch over it')
                return
             end if
          end associate
       end if
       if (own%frequency_ratio < low .or. own%frequency_ratio > high) then
-         branch%ended = 'the seed at Lambda = '//text(own%frequency_ratio)//' lies outside '//text(low)//' to '//text(high)
+         branch%ended = 'the seed at '//lambda(own%frequency_ratio)//' lies outside '//text(low)//' to '//text(high)
          return
       end if
       call solve_seed(tracer, own, low, high, solution, at_its_lambda, success)
       if (.not. success) then
-         branch%ended = 'Newton does not converge from the seed at Lambda = '//text(own%frequency_ratio)
+         branch%ended = 'Newton does not converge from the seed at '//lambda(own%frequency_ratio)
          call drop_step(tracer, branch)
          return
       end if

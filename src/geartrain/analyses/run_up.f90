@@ -1,6 +1,7 @@
 !> The analysis &run_up: Lambda goes linearly in time from one value to another, from the steady motion at the first value on.
 module geartrain_analyses_run_up
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, in_width
    use geartrain_train_names, only: list_numbers, mesh_names, name_length, shaft_names
    use geartrain_base_sheet, only: in_head, in_quality, in_result, in_run_up, sheet_type
@@ -8,7 +9,7 @@ module geartrain_analyses_run_up
    use geartrain_analyses_run_up_pulling, only: say_pulling
    use geartrain_analyses_run_up_start, only: find_start, tell_start
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_carry, only: carry, carry_words
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_field, only: field => field_type
@@ -21,7 +22,6 @@ module geartrain_analyses_run_up
    use geartrain_flow_ramp, only: make_ramp, ramp_type
    use geartrain_flow_ramped_flow, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
    use geartrain_flow_torque_fields, only: about_coupling, about_held, carry_torque, coupling_row
-   use geartrain_network_check_train, only: check_train
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency
@@ -154,14 +154,11 @@ contains
       if (.not. allocated(self%result%ended)) call run_up(train, self%settings, self%result, error, start, observer)
    end subroutine run
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(run_up_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = self%result%complete
-      ended = ''
-      if (allocated(self%result%ended)) ended = self%result%ended
+      if (.not. self%result%complete) early = self%result%ended
    end subroutine tell_end
 
    !> Follows the motion of a train while Lambda goes linearly in time from one value to another.
@@ -188,8 +185,6 @@ contains
       integer :: samples
 
       if (allocated(result%ended) .or. .not. allocated(result%state)) result = empty
-      call check_train(train, error)
-      if (allocated(error)) return
       copy = settings
       analysis%settings => copy
       call analysis%check_alone(train, error)
@@ -213,7 +208,7 @@ contains
                          observer)
          if (allocated(error)) return
          if (stopped) then
-            result%ended = 'cancelled before the motion at Lambda = '//text(ramp%start)//' was steady'
+            result%ended = 'cancelled before the motion at '//lambda(ramp%start)//' was steady'
             return
          end if
       end if
@@ -249,8 +244,8 @@ contains
       associate (result => self%result)
          if (.not. fields%enter('/run_up', 'motion while the speed changes linearly in time', .true.)) return
          if (result%samples > 0) call fields%describe('coordinates', 'frequency window_time')
-         call carry_text(fields, field('ended', '', '', 'why it ended, in words, and whether it began with a steady motion'), &
-                         result%ended, 'not yet: these are the samples so far')
+         call carry_words(fields, field('ended', '', '', 'why it ended, in words, and whether it began with a steady motion'), &
+                          result%ended, 'not yet: these are the samples so far')
          call carry(fields, field('complete', '', '', '1 = the end of the run-up was reached'), result%complete)
          call carry(fields, field('start_period', '', '', 'period of the steady motion at the beginning, in periods of the &
                                   &fundamental; 0: none, or not known', least=0), &

@@ -6,6 +6,7 @@ module geartrain_analyses_run_up_start
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_ramped_flow, only: run_up_type
    use geartrain_flow_settling, only: need_to_settle, settle
@@ -73,7 +74,7 @@ contains
       end if
       if (stopped) return
       if (unbounded) then
-         call fatal(error, 'run up: the motion grows without bound at Lambda = '//text(frequency_ratio)//', where the run-up &
+         call fatal(error, 'run up: the motion grows without bound at '//lambda(frequency_ratio)//', where the run-up &
                     &begins', status_ended_early)
          return
       end if
@@ -88,18 +89,18 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> The run-up, of which `ended` is completed.
       type(run_up_type), intent(inout) :: result
-      character(:), allocatable :: note
+      type(words_type) :: note
 
-      note = ''
+      note = words_type('')
       if (max_periods == 0 .or. result%start_period > 0) return
       if (.not. result%start_settling > 0) then
-         note = '; no steady motion was found at Lambda = '//text(frequency_ratio)//': the run-up begins with the state after ' &
+         note = '; no steady motion was found at '//lambda(frequency_ratio)//': the run-up begins with the state after ' &
                 //text(max_periods)//' periods of the fundamental'
       else if (result%start_ringing < 0) then
-         note = '; whether the motion was steady at Lambda = '//text(frequency_ratio)//', where the run-up begins, is not known: &
+         note = '; whether the motion was steady at '//lambda(frequency_ratio)//', where the run-up begins, is not known: &
                 &some natural vibration is too slow to be read within '//text(result%start_settling)//' s of settling'
       else if (result%start_ringing > negligible) then
-         note = '; no steady motion was reached at Lambda = '//text(frequency_ratio)//', where the run-up begins: after ' &
+         note = '; no steady motion was reached at '//lambda(frequency_ratio)//', where the run-up begins: after ' &
                 //text(result%start_settling)//' s free vibrations were still '//text(result%start_ringing)//' of the alternating &
                 &displacement'
       end if

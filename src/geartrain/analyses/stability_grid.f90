@@ -20,7 +20,7 @@ module geartrain_analyses_stability_grid
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_consistency, check_stability_map, map_row_type, stability_map_settings_type, stability_map_type, visit_map, &
+   public :: check_consistency, map_row_type, stability_map_settings_type, stability_map_type, visit_map, &
       visit_stability_map
 
    real(dp), parameter :: zero = 0, one = 1
@@ -132,22 +132,6 @@ contains
       call visit_long_period(settings%long_period, v)
       call v%leave()
    end subroutine visit_stability_map
-
-   !> Checks the settings of a map; the error tells every problem, one a line.
-   subroutine check_stability_map(train, settings, error)
-      !> A train that check_train accepts.
-      type(train_type), intent(in) :: train
-      !> The settings.
-      type(stability_map_settings_type), intent(in) :: settings
-      type(error_type), allocatable, intent(out) :: error
-      type(stability_map_settings_type) :: copy
-      type(checker_type) :: checker
-
-      copy = settings
-      call visit_stability_map(copy, checker)
-      call check_consistency(train, settings, checker)
-      call checker%problems%raise('', error)
-   end subroutine check_stability_map
 
    !> Checks values of &stability_map against one another and against the train.
    subroutine check_consistency(train, settings, checker)

@@ -7,8 +7,9 @@ module geartrain_analyses_stability_map
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_analyses_map_trains, only: map_trains_type
+   use geartrain_base_words, only: words_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
-   use geartrain_analyses_stability_grid, only: check_consistency, check_stability_map, map_row_type, &
+   use geartrain_analyses_stability_grid, only: check_consistency, map_row_type, &
       stability_map_settings_type, stability_map_type, visit_map, visit_stability_map
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_motion, only: motion_type
@@ -28,7 +29,6 @@ module geartrain_analyses_stability_map
    use geartrain_trace_tracer, only: tracer_type
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: is_stable, power
-   use geartrain_network_check_train, only: check_train
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -90,14 +90,11 @@ contains
       if (.not. allocated(self%result%ended)) call stability_map(train, self%settings, self%result, error, observer)
    end subroutine run
 
-   subroutine tell_end(self, complete, ended)
+   subroutine tell_end(self, early)
       class(stability_map_analysis_type), intent(in) :: self
-      logical, intent(out) :: complete
-      character(:), allocatable, intent(out) :: ended
+      type(words_type), allocatable, intent(out) :: early
 
-      complete = self%result%complete
-      ended = ''
-      if (allocated(self%result%ended)) ended = self%result%ended
+      if (.not. self%result%complete) early = words_type(self%result%ended)
    end subroutine tell_end
 
    subroutine visit_fields(self, train, fields, summary)
@@ -130,8 +127,7 @@ contains
          end if
          call sheet%say(in_result, words//'.')
          if (.not. allocated(map%ended)) return
-         call told%of_words(map%ended, words)
-         call sheet%say(in_quality, 'The stability map ended: '//words//'.')
+         call sheet%say(in_quality, 'The stability map ended: '//map%ended//'.')
       end associate
    end subroutine report
 
@@ -147,6 +143,8 @@ contains
       type(error_type), allocatable, intent(out) :: error
       !> Told of 'stability map' after each row, by one thread at a time; may end the work, and the map then holds the rows done.
       class(observer_type), intent(inout), optional :: observer
+      type(stability_map_settings_type), target :: copy
+      type(stability_map_analysis_type) :: analysis
       type(map_trains_type) :: trains
       type(train_type) :: changed
       type(map_row_type) :: row
@@ -154,8 +152,9 @@ contains
       logical :: keep_going, go
       logical, allocatable :: known(:)
 
-      call check_train(train, error)
-      if (.not. allocated(error)) call check_stability_map(train, settings, error)
+      copy = settings
+      analysis%settings => copy
+      call analysis%check_alone(train, error)
       if (allocated(error)) return
       call trains%setup(train, trim(settings%parameter), settings%start*lambda_per(train, settings%unit), &
                         settings%parameter_start, settings%parameter_stop, settings%linear, error)

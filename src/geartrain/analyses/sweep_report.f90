@@ -10,6 +10,7 @@ module geartrain_analyses_sweep_report
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: counted, text
    use geartrain_base_sheet, only: in_head, in_quality, in_result, sheet_type
+   use geartrain_base_words, only: words_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
@@ -28,7 +29,7 @@ contains
       !> The motions; Lambda 0: still to be done.
       type(motion_type), intent(in) :: motions(:)
       !> Why the sweep ended; not allocated: it is under way.
-      character(:), allocatable, intent(in) :: ended
+      type(words_type), allocatable, intent(in) :: ended
       !> What the integration asks for.
       type(integration_settings_type), intent(in) :: settings
       !> The train as given.

@@ -5,9 +5,10 @@ module geartrain_base_carry
    use geartrain_base_field, only: field_type, kind_integer, kind_logical, text_type
    use geartrain_base_fields, only: arranging, fields_type, reading
    use geartrain_base_kinds, only: dp
+   use geartrain_base_words, only: place_type, words_type
    implicit none (type, external)
    private
-   public :: carry, carry_text
+   public :: carry, carry_text, carry_words
 
    !> Carries a component between the result and its field.
    !>
@@ -289,5 +290,40 @@ contains
       end if
       call move_alloc(values(1)%text, value)
    end subroutine carry_text
+
+   !> Carries a sentence as its text and, where it states frequencies, the field NAME_places.
+   subroutine carry_words(fields, about, value, none)
+      !> The fields of the results.
+      class(fields_type), intent(inout) :: fields
+      !> The row of the table for the text.
+      type(field_type), intent(in) :: about
+      !> The sentence; not allocated: no fields.
+      type(words_type), allocatable, intent(inout) :: value
+      !> Text that stands in the field for a `value` that is not allocated.
+      character(*), intent(in), optional :: none
+      character(:), allocatable :: text
+      real(dp), allocatable :: places(:)
+      character(:), allocatable :: name
+      integer :: i
+
+      if (allocated(value)) then
+         text = value%text
+         if (size(value%places) > 0) then
+            places = [(value%places(i)%from, value%places(i)%to, real(value%places(i)%first, dp), &
+                       real(value%places(i)%last, dp), i=1, size(value%places))]
+         end if
+      end if
+      call carry_text(fields, about, text, none)
+      name = trim(about%name)//'_places'
+      call carry(fields, field_type(name, name, '1', 'of each Lambda in the text: from, to, first and last letter', about%only, &
+                                    optional=.true.), places)
+      if (fields%way /= reading .or. .not. allocated(text)) return
+      value = words_type(text)
+      if (.not. allocated(places)) return
+      value%places = [(place_type(nint(places(i + 2)), nint(places(i + 3)), places(i), places(i + 1)), i=1, size(places) - 3, 4)]
+      associate (first => value%places%first, last => value%places%last)
+         call fields%check(all(first >= 1 .and. last >= first .and. last <= len(text)), name)
+      end associate
+   end subroutine carry_words
 
 end module geartrain_base_carry

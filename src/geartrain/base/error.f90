@@ -1,9 +1,10 @@
 !> Errors as values: a message and an exit status.
 module geartrain_base_error
    use geartrain_base_plain_text, only: escaped, escaped_lines
+   use geartrain_base_words, only: operator(//), place_type, words_type
    implicit none (type, external)
    private
-   public :: error_type, fatal, in_a_line, status_input, status_ended_early, status_file, status_memory
+   public :: error_type, fatal, in_a_line, status_input, status_ended_early, status_file, status_memory, words_of
 
    !> Exit statuses of the executable: bad input, an analysis that ended early, a failure of the file system.
    integer, parameter :: status_input = 2, status_ended_early = 3, status_file = 4
@@ -14,13 +15,20 @@ module geartrain_base_error
       integer :: status = status_input
       !> One problem a line, with its place, value, expectation and cure.
       character(:), allocatable :: message
+      !> The frequencies that it states.
+      type(place_type), allocatable :: places(:)
    end type error_type
+
+   interface fatal
+      module procedure fatal_text
+      module procedure fatal_words
+   end interface fatal
 
 contains
 
    !> Allocates `error`, or adds a line to an allocated one, so that all problems are told at once. The message is escaped here:
    !> names of files and texts read from files may contain anything.
-   subroutine fatal(error, message, status, lines)
+   subroutine fatal_text(error, message, status, lines)
       type(error_type), allocatable, intent(inout) :: error
       !> A line of text; with `lines` the message of another error.
       character(*), intent(in) :: message
@@ -43,10 +51,38 @@ contains
          error%message = error%message//new_line('a')//text
       else
          allocate (error)
+         allocate (error%places(0))
          error%message = text
          if (present(status)) error%status = status
       end if
-   end subroutine fatal
+   end subroutine fatal_text
+
+   !> `fatal` of a message that states frequencies.
+   subroutine fatal_words(error, message, status, lines)
+      type(error_type), allocatable, intent(inout) :: error
+      type(words_type), intent(in) :: message
+      integer, intent(in), optional :: status
+      logical, intent(in), optional :: lines
+      type(words_type) :: whole
+      integer :: before
+
+      call fatal_text(error, message%text, status, lines)
+      before = len(error%message) - len(message%text)
+      ! Not where characters were escaped before the places.
+      if (before < 0) return
+      if (error%message(before + 1:) /= message%text) return
+      whole = error%message(:before)//message
+      error%places = [error%places, whole%places]
+   end subroutine fatal_words
+
+   !> Message of an error with the frequencies that it states.
+   pure type(words_type) function words_of(error)
+      !> The error.
+      type(error_type), intent(in) :: error
+
+      words_of%text = error%message
+      words_of%places = error%places
+   end function words_of
 
    !> The further lines of a message in words, with blanks at the end: ' (and 2 more)', or blank.
    pure character(24) function more_lines(message)

@@ -5,6 +5,7 @@ module geartrain_bifurcation_bifurcations
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_bifurcation_critical_point, only: find_critical, find_meeting, patterns_of
    use geartrain_bifurcation_switching, only: trace_switched
    use geartrain_network_check_train, only: check_train
@@ -156,7 +157,7 @@ contains
                if (pattern > equal/2) some = pattern - equal/2
                words = ', '//text(some(1))//' of '//text(equal)//' equal branches against '//text(some(2))
             end if
-            call add_branch(branches, trim(special%kind)//' of '//name//' at Lambda = '//text(special%frequency_ratio)//words)
+            call add_branch(branches, trim(special%kind)//' of '//name//' at '//lambda(special%frequency_ratio)//words)
          end associate
          n = size(branches)
          if (n <= size(known)) then
@@ -253,7 +254,7 @@ contains
       !> At least allocated; moves in memory.
       type(branch_type), allocatable, intent(inout), target :: branches(:)
       !> Where the new branch comes from, in words.
-      character(*), intent(in) :: origin
+      type(words_type), intent(in) :: origin
       type(branch_type), allocatable :: longer(:)
       integer :: i
 

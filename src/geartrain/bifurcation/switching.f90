@@ -8,6 +8,7 @@ module geartrain_bifurcation_switching
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//)
    use geartrain_bifurcation_critical_point, only: find_critical, harmonics_at
    use geartrain_network_check_train, only: check_train
    use geartrain_network_system, only: system_type
@@ -106,7 +107,7 @@ contains
          call tracer%recorder%setup(tracer%corrector%balance, settings%stability, switched, settings%shaft_torque, &
                                       settings%multipliers)
          if (.not. found) then
-            switched%ended = 'the balance has no '//trim(kind)//' of its own near Lambda = '//text(at) &
+            switched%ended = 'the balance has no '//trim(kind)//' of its own near '//lambda(at) &
                              //' (more harmonics place it more exactly)'
             call drop_step(tracer, switched)
             call tracer%recorder%finish(switched)
@@ -119,7 +120,7 @@ contains
       if (success .and. .not. doubles) call step_off(tracer, critical, -1, other, success)
       if (.not. success) then
          call tracer%recorder%finish(switched)
-         switched%ended = 'no branch found along the critical vector at Lambda = '//text(critical%frequency_ratio)
+         switched%ended = 'no branch found along the critical vector at '//lambda(critical%frequency_ratio)
          call drop_step(tracer, switched)
          return
       end if

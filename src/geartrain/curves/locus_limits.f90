@@ -2,6 +2,7 @@
 module geartrain_curves_locus_limits
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_curves_locus_walls, only: floats
    use geartrain_exact_augmented_point, only: augmented_point_type
    use geartrain_exact_augmented_system, only: augmented_system_type
@@ -64,7 +65,7 @@ contains
       end if
    end subroutine forbids
 
-   !> Why the curve is not followed beyond a point; blank: it is.
+   !> Why the curve is not followed beyond a point; not allocated: it is.
    subroutine ends_at(self, augmented, point, why)
       class(limits_type), intent(in) :: self
       !> The system, with the train of the point.
@@ -72,15 +73,14 @@ contains
       !> A point of the curve.
       type(augmented_point_type), intent(in) :: point
       !> The words.
-      character(*), intent(out) :: why
+      type(words_type), allocatable, intent(out) :: why
 
-      why = ''
       if (maxval(abs(point%states(:augmented%system%displacements, :))) > largest*augmented%metric%units%length) then
-         why = 'beyond the amplitude limit '//text(largest)//' at Lambda = '//text(point%frequency_ratio)
+         why = 'beyond the amplitude limit '//text(largest)//' at '//lambda(point%frequency_ratio)
       else if (.not. abs(log(point%frequency_ratio/self%frequency_ratio)) < log(widest)) then
-         why = 'far from where it began, at Lambda = '//text(point%frequency_ratio)
+         why = 'far from where it began, at '//lambda(point%frequency_ratio)
       else if (self%vanishes(augmented)) then
-         why = 'the motion vanishes with all that excites it, at Lambda = '//text(point%frequency_ratio)
+         why = 'the motion vanishes with all that excites it, at '//lambda(point%frequency_ratio)
       end if
    end subroutine ends_at
 

@@ -1,6 +1,7 @@
 !> The curve of a special point over Lambda and a parameter of the train, as it is traced.
 module geartrain_curves_locus_result
    use geartrain_base_kinds, only: dp
+   use geartrain_base_words, only: words_type
    implicit none (type, external)
    private
    public :: double_point_type, locus_type
@@ -34,7 +35,7 @@ module geartrain_curves_locus_result
       !> Share of the range of the parameter covered so far on either side [1], (side); no result.
       real(dp) :: covered(2) = 0
       !> Why it ended on either side, in words; whether it got to the ends of the range, or closed; whether it closed.
-      character(:), allocatable :: ended
+      type(words_type), allocatable :: ended
       logical :: complete = .false., closed = .false.
    end type locus_type
 

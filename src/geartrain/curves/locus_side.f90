@@ -4,6 +4,7 @@ module geartrain_curves_locus_side
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_curves_locus_corner, only: cross_corner
    use geartrain_curves_locus_half_period, only: is_of_half, passes_half, way_to_half
    use geartrain_curves_locus_limits, only: limits_type
@@ -39,7 +40,7 @@ module geartrain_curves_locus_side
       type(double_point_type), allocatable :: special(:)
       integer :: points = 0, specials = 0
       !> Why it ended, in words and as one of the kinds of `locus_type%ends`.
-      character(160) :: ended = ''
+      type(words_type), allocatable :: ended
       character(16) :: end_kind = ''
       logical :: at_end = .false., closed = .false.
    end type side_type
@@ -86,8 +87,7 @@ contains
       do while (side%points < most_points)
          if (here%parameter <= ends(1) .and. here%tangent_parameter < 0 .or. here%parameter >= ends(2) &
              .and. here%tangent_parameter > 0) then
-            side%end_kind = 'range'
-            side%ended = 'the end of the range of the parameter'
+            call finish('range', words_type('the end of the range of the parameter'))
             side%at_end = .true.
             return
          end if
@@ -96,13 +96,11 @@ contains
          go = keep_going
          ! A long step may lead to what is no orbit although the parameter keeps the symmetry.
          if (augmented%open .and. h < crawling) then
-            side%end_kind = 'symmetry'
-            side%ended = 'the parameter breaks the symmetry, at Lambda = '//text(here%frequency_ratio)
+            call finish('symmetry', 'the parameter breaks the symmetry, at '//lambda(here%frequency_ratio))
             return
          end if
          if (augmented%moving%interrupted() .or. .not. go) then
-            side%end_kind = 'cancelled'
-            side%ended = 'cancelled'
+            call finish('cancelled', words_type('cancelled'))
             return
          end if
          if (success) then
@@ -116,8 +114,7 @@ contains
             at_wall = touches(augmented, here)
             if (at_wall .and. augmented%kind == 'fold' .and. is_of_half(augmented, here)) then
                call put(grazing_name('period doubling'), here)
-               side%end_kind = 'corner'
-               side%ended = 'meets a grazing doubling of motions of half the period at Lambda = '//text(here%frequency_ratio)
+               call finish('corner', 'meets a grazing doubling of motions of half the period at '//lambda(here%frequency_ratio))
                return
             end if
             if (at_wall) call leap(success)
@@ -127,19 +124,16 @@ contains
             if (.not. success .and. at_wall .and. augmented%mesh == 0) then
                call put(grazing_name(augmented%kind), here)
                ! What is across the corner says more than the corner.
-               side%end_kind = 'limit'
-               side%ended = trim(beyond)//' near Lambda = '//text(here%frequency_ratio)
+               call finish('limit', trim(beyond)//' near '//lambda(here%frequency_ratio))
                if (beyond /= '') return
-               side%end_kind = 'corner'
                call find_grazing_mesh(augmented, here, k)
-               side%ended = 'a corner: '//trim(augmented%system%mesh_name(k))//' grazes a wall of its gap at Lambda = '// &
-                            text(here%frequency_ratio)//', parameter = '//text(augmented%origin + augmented%scale*here%parameter)
+               call finish('corner', 'a corner: '//trim(augmented%system%mesh_name(k))//' grazes a wall of its gap at '// &
+                           lambda(here%frequency_ratio)//', parameter = '//text(augmented%origin + augmented%scale*here%parameter))
                return
             end if
             if (.not. success .and. h > shortest) cycle
             if (.not. success) then
-               side%end_kind = 'failed'
-               side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
+               call finish('failed', 'Newton''s method does not converge at '//lambda(here%frequency_ratio))
                return
             end if
          end if
@@ -149,8 +143,7 @@ contains
             if (.not. success) then
                h = h/3
                if (h > shortest) cycle
-               side%end_kind = 'failed'
-               side%ended = 'Newton''s method does not converge at the end of the range'
+               call finish('failed', words_type('Newton''s method does not converge at the end of the range'))
                return
             end if
          end if
@@ -164,15 +157,13 @@ contains
             if (ends_here) call locate_half(augmented, here, place, success)
             if (ends_here .and. success) then
                call put('generalized doubling', place)
-               side%end_kind = 'double point'
-               side%ended = 'a generalized doubling'
+               call finish('double point', words_type('a generalized doubling'))
                return
             end if
             h = h/3
             if (h > nearest_half) cycle
             if (ends_here) then
-               side%end_kind = 'double point'
-               side%ended = 'meets the doubling of motions of half the period near Lambda = '//text(here%frequency_ratio)
+               call finish('double point', 'meets the doubling of motions of half the period near '//lambda(here%frequency_ratio))
                return
             end if
          end if
@@ -183,8 +174,7 @@ contains
             if (.not. success) then
                h = h/3
                if (h > shortest) cycle
-               side%end_kind = 'failed'
-               side%ended = 'Newton''s method does not converge at Lambda = '//text(here%frequency_ratio)
+               call finish('failed', 'Newton''s method does not converge at '//lambda(here%frequency_ratio))
                return
             end if
             call find_tests(augmented, next, after)
@@ -214,13 +204,12 @@ contains
          keep_going = go
          !$omp end critical (geartrain_locus)
          if (side%points > 3 .and. passes(augmented, here, next, first)) then
-            side%end_kind = 'closed'
-            side%ended = 'closed'
+            call finish('closed', words_type('closed'))
             side%closed = .true.
             return
          end if
          call limits%ends_at(augmented, next, side%ended)
-         if (side%ended /= '') then
+         if (allocated(side%ended)) then
             ! A curve over the torque from 0 on is whole where the motion vanishes.
             side%at_end = limits%vanishes(augmented) .and. minval(abs(next%parameter - ends)) < near_end
             side%end_kind = merge('range', 'limit', side%at_end)
@@ -231,8 +220,7 @@ contains
          before = after
          if (cosine > wanted_cosine) h = min(longest, 1.5_dp*h)
       end do
-      side%end_kind = 'limit'
-      side%ended = 'has the most points'
+      call finish('limit', words_type('has the most points'))
 
    contains
 
@@ -291,11 +279,9 @@ contains
          end if
          ! Between motions with contact events and those without is a grazing.
          if (next%events > 0) call put(grazing_name(augmented%kind), next)
-         side%end_kind = 'limit'
-         side%ended = trim(why)//' near Lambda = '//text(next%frequency_ratio)
+         call finish('limit', trim(why)//' near '//lambda(next%frequency_ratio))
          if (.not. augmented%moving%interrupted()) return
-         side%end_kind = 'cancelled'
-         side%ended = 'cancelled'
+         call finish('cancelled', words_type('cancelled'))
       end subroutine approach
 
       !> Makes `next` the point at an end of the range.
@@ -348,13 +334,20 @@ contains
          if (ends_here .and. success) then
             side%points = side%points + 1
             side%point(side%points) = middle
-            side%end_kind = 'double point'
-            side%ended = 'a '//trim(name_of(augmented%kind, k))
+            call finish('double point', words_type('a '//trim(name_of(augmented%kind, k))))
          else if (ends_here) then
-            side%end_kind = 'double point'
-            side%ended = 'the pair of multipliers becomes real at Lambda = '//text(next%frequency_ratio)
+            call finish('double point', 'the pair of multipliers becomes real at '//lambda(next%frequency_ratio))
          end if
       end subroutine locate
+
+      !> Says why the curve ends here: one of the kinds of `locus_type%ends`, and the words.
+      subroutine finish(kind, words)
+         character(*), intent(in) :: kind
+         type(words_type), intent(in) :: words
+
+         side%end_kind = kind
+         side%ended = words
+      end subroutine finish
 
       subroutine put(kind, point)
          character(*), intent(in) :: kind

@@ -7,6 +7,7 @@ module geartrain_curves_locus_trace
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: real_text, text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//)
    use geartrain_exact_augmented_point, only: augmented_point_type, scale_tangent, trains_type
    use geartrain_exact_augmented_system, only: augmented_system_type
    use geartrain_curves_locus_result, only: locus_type
@@ -90,19 +91,19 @@ contains
       first%frequency_ratio = motion%frequency_ratio
       call augmented%find_borders(first, info)
       if (info == 0 .and. count_critical() > 1) then
-         call fatal(error, 'locus: several multipliers pass the unit circle together at Lambda = '//text(motion%frequency_ratio)// &
+         call fatal(error, 'locus: several multipliers pass the unit circle together at '//lambda(motion%frequency_ratio)// &
                     ', as where equal branches begin to move differently: curves of such points are not followed', &
                     status_ended_early)
          return
       end if
       if (info == 0 .and. kind == 'branch point' .and. .not. augmented%is_symmetric) then
-         call fatal(error, 'locus: the motions at Lambda = '//text(motion%frequency_ratio)//' are symmetric neither at every &
+         call fatal(error, 'locus: the motions at '//lambda(motion%frequency_ratio)//' are symmetric neither at every &
                     &instant nor with a shift by half a period: curves of their branch points are not followed', status_ended_early)
          return
       end if
       call augmented%solve(first, .false., success)
       if (.not. success) then
-         call fatal(error, 'locus: Newton''s method finds no '//trim(kind)//' at Lambda = '//text(motion%frequency_ratio), &
+         call fatal(error, 'locus: Newton''s method finds no '//trim(kind)//' at '//lambda(motion%frequency_ratio), &
                     status_ended_early)
          return
       end if
@@ -141,8 +142,8 @@ contains
       locus%closed = any(side%closed)
       locus%complete = locus%closed .or. side(1)%at_end .and. side(2)%at_end
       locus%ends = side%end_kind
-      locus%ended = trim(side(1)%ended)
-      if (side(1)%ended /= side(2)%ended) locus%ended = locus%ended//'; '//trim(side(2)%ended)
+      locus%ended = side(1)%ended
+      if (side(1)%ended%text /= side(2)%ended%text) locus%ended = locus%ended//'; '//side(2)%ended
 
    contains
 

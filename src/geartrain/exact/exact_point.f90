@@ -3,8 +3,8 @@ module geartrain_exact_exact_point
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//)
    use geartrain_exact_augmented_point, only: augmented_point_type, trains_type
    use geartrain_exact_augmented_system, only: augmented_system_type
    use geartrain_trace_branch, only: branch_type, special_point_type
@@ -129,8 +129,8 @@ contains
    contains
 
       subroutine none_found()
-         call fatal(error, 'exact: no '//trim(special%kind)//' of the exact motion was found near Lambda = ' &
-                    //text(special%frequency_ratio), status_ended_early)
+         call fatal(error, 'exact: no '//trim(special%kind)//' of the exact motion was found near ' &
+                    //lambda(special%frequency_ratio), status_ended_early)
       end subroutine none_found
 
    end subroutine find_exact_point

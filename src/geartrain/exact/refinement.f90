@@ -5,6 +5,7 @@ module geartrain_exact_refinement
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: operator(//)
    use geartrain_exact_fold_sides, only: sides_of
    use geartrain_exact_waveform_error, only: harmonics_told, waveform_error
    use geartrain_flow_shooting, only: refine

@@ -7,6 +7,7 @@ module geartrain_flow_ramped_flow
    use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_flow_bound, only: bound_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_force_series, only: force_series
@@ -50,7 +51,7 @@ module geartrain_flow_ramped_flow
       !> speed.
       real(dp), allocatable :: state(:)
       !> Why the run-up ended; not allocated: it is under way.
-      character(:), allocatable :: ended
+      type(words_type), allocatable :: ended
       !> Whether the end of the ramp was reached.
       logical :: complete = .false.
    end type run_up_type
@@ -167,11 +168,11 @@ contains
       end do
       result%complete = result%windows == ramp%windows
       if (result%complete) then
-         result%ended = 'reached Lambda = '//text(ramp%stop)
+         result%ended = 'reached '//lambda(ramp%stop)
       else if (system%interrupt%raised() .or. .not. keep_going) then
-         result%ended = 'cancelled at Lambda = '//text(reached)
+         result%ended = 'cancelled at '//lambda(reached)
       else
-         result%ended = 'the motion grows without bound at Lambda = '//text(reached)
+         result%ended = 'the motion grows without bound at '//lambda(reached)
       end if
       if (flow%lost) result%ended = result%ended//'; too many contact events fell on one instant: the motion after it is a guess'
    end subroutine follow_ramp

@@ -7,6 +7,7 @@ module geartrain_flow_shooting
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
+   use geartrain_base_words, only: lambda, operator(//)
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
    use geartrain_flow_across_fold, only: look_beyond_fold
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
@@ -98,7 +99,7 @@ contains
       else if (found) then
          call finish()
       else
-         call fatal(error, 'refine: shooting does not converge at Lambda = '//text(motion%frequency_ratio)//' (period ' &
+         call fatal(error, 'refine: shooting does not converge at '//lambda(motion%frequency_ratio)//' (period ' &
                     //text(motion%period)//', last relative step '//text(length)//')', status_ended_early)
       end if
 

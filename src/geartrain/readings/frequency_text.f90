@@ -2,7 +2,8 @@
 !> rpm. Of a branch over a parameter of the train the values of the parameter take the place of frequencies.
 module geartrain_readings_frequency_text
    use geartrain_base_kinds, only: dp
-   use geartrain_base_numbers, only: fixed, short => text
+   use geartrain_base_numbers, only: fixed, short => text, significant
+   use geartrain_base_words, only: lambda, words_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_frequency_unit, only: lambda_per, speed_per_lambda
    use geartrain_trace_branch, only: branch_type
@@ -29,6 +30,7 @@ module geartrain_readings_frequency_text
       procedure :: number_differs
       procedure :: with_unit
       procedure :: of_words
+      procedure :: rounded
    end type frequency_text_type
 
 contains
@@ -126,53 +128,43 @@ contains
       end if
    end subroutine with_unit
 
-   !> Words of a result, such as 'reached Lambda = 1550' or 'from Lambda = 1 to 2', in the unit: 'reached 1550 rpm'.
+   !> A sentence with its frequencies in the unit: 'reached Lambda = 1550' becomes 'reached 1550 rpm'.
    subroutine of_words(self, words, text)
       class(frequency_text_type), intent(in) :: self
-      !> The words.
-      character(*), intent(in) :: words
-      !> The words in the unit.
+      !> The sentence.
+      type(words_type), intent(in) :: words
+      !> The sentence in the unit.
       character(:), allocatable, intent(out) :: text
-      character(*), parameter :: mark = 'Lambda = ', to = ' to '
-      integer :: first, at, length
+      integer :: i, last
 
       text = ''
-      first = 1
-      do
-         at = index(words(first:), mark)
-         if (at == 0 .or. self%unit == 'Lambda') exit
-         text = text//words(first:first + at - 2)
-         if (self%parameter /= '') text = text//trim(self%parameter)//' = '
-         first = first + at - 1 + len(mark)
-         call take_number()
-         if (index(words(first:), to) == 1) then
-            if (scan(words(first + len(to):first + len(to)), '0123456789') == 1) then
-               text = text//to
-               first = first + len(to)
-               call take_number()
-            end if
-         end if
-         if (self%unit /= 'value') text = text//' '//trim(self%unit)
+      last = 0
+      do i = 1, merge(0, size(words%places), self%unit == 'Lambda')
+         associate (place => words%places(i))
+            text = text//words%text(last + 1:place%first - 1)
+            if (self%parameter /= '') text = text//trim(self%parameter)//' = '
+            text = text//short(place%from*self%per_lambda)
+            if (abs(place%to - place%from) > 0) text = text//' to '//short(place%to*self%per_lambda)
+            if (self%unit /= 'value') text = text//' '//trim(self%unit)
+            last = place%last
+         end associate
       end do
-      text = text//words(first:)
-
-   contains
-
-      !> Adds the number that the words have at `first`, in the unit, and passes it.
-      subroutine take_number()
-         real(dp) :: value
-         integer :: status
-
-         length = verify(words(first:)//' ', '0123456789.e-') - 1
-         if (length > 0) then
-            if (words(first + length - 1:first + length - 1) == '.') length = length - 1
-         end if
-         read (words(first:first + length - 1), *, iostat=status) value
-         if (status == 0) text = text//short(value*self%per_lambda)
-         first = first + length
-      end subroutine take_number
-
+      text = text//words%text(last + 1:)
    end subroutine of_words
+
+   !> A frequency to four digits as a part of a sentence: 'Lambda = 0.3656', '1550 rpm'.
+   subroutine rounded(self, frequency_ratio, text)
+      class(frequency_text_type), intent(in) :: self
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> The frequency in the unit.
+      character(:), allocatable, intent(out) :: text
+      real(dp) :: value
+
+      text = significant(frequency_ratio)
+      read (text, *) value
+      call self%of_words(lambda(value), text)
+   end subroutine rounded
 
    !> A number at the right end of a column, at least a blank before it.
    pure function in_width(number, width) result(text)

@@ -2,10 +2,11 @@
 module geartrain_run_run_case
    use geartrain_analyses_analysis, only: analysis_type, spoken
    use geartrain_analyses_dependencies, only: asks_refinement, follow_branches, locate_edges, refine_branches, take_known
+   use geartrain_base_words, only: operator(//), words_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
    use geartrain_analyses_list, only: analyses, case_type, find_analysis, leave_out, number_of, results_type
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input, status_memory
+   use geartrain_base_error, only: error_type, fatal, status_ended_early, status_input, status_memory, words_of
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
@@ -74,7 +75,7 @@ contains
       if (.not. allocated(early)) return
       told = frequency_text(case%train, 'Lambda', 0.0_dp)
       if (allocated(case%response)) told = frequency_text(case%train, case%response%unit, 0.0_dp)
-      call told%of_words(early%message, message)
+      call told%of_words(words_of(early), message)
       call fatal(error, message, early%status, lines=.true.)
    end subroutine run_case
 
@@ -102,10 +103,10 @@ contains
          call analysis%run(case%train, error, checkpoint)
          if (ended_early(error)) then
             ! The next analysis runs although this analysis has no result.
-            call fatal(early, error%message, error%status, lines=.true.)
+            call fatal(early, words_of(error), error%status, lines=.true.)
             early%status = max(early%status, error%status)
             deallocate (error)
-            call leave_out(i, results=results)
+            call leave_out(i, results)
             cycle
          end if
          if (allocated(error)) return
@@ -173,11 +174,10 @@ contains
       character(*), intent(in) :: name
       class(analysis_type), intent(in) :: analysis
       type(error_type), allocatable, intent(inout) :: early
-      character(:), allocatable :: ended
-      logical :: complete
+      type(words_type), allocatable :: ended
 
-      call analysis%tell_end(complete, ended)
-      if (.not. complete) call fatal(early, name//' ended early: '//ended, status_ended_early)
+      call analysis%tell_end(ended)
+      if (allocated(ended)) call fatal(early, name//' ended early: '//ended, status_ended_early)
    end subroutine tell
 
    !> Whether an analysis ended early or has no memory, after which others can run.

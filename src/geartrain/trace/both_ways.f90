@@ -2,6 +2,7 @@
 module geartrain_trace_both_ways
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: operator(//), words_type
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_interruption, only: drop_step
@@ -34,7 +35,7 @@ contains
       !> Number of multipliers that pass +1 together there.
       integer, intent(in), optional :: multiplicity
       type(solution_point_type) :: began, first
-      character(:), allocatable :: reason
+      type(words_type), allocatable :: reason
       real(dp) :: gap
       integer :: outcome, first_outcome, first_points
       logical :: success

@@ -5,6 +5,7 @@ module geartrain_trace_branch
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: arranging, fields_type, listing, reading, writing
    use geartrain_base_kinds, only: dp
+   use geartrain_base_words, only: words_type
    use geartrain_flow_load_share_fields, only: about_planet, carry_shares
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_settings, only: response_settings_type
@@ -76,8 +77,8 @@ module geartrain_trace_branch
       integer :: sense = 0
       !> Latest solution point; solution point before it; solution point with which the trace began.
       type(solution_point_type) :: here, earlier, origin
-      !> Beginning of the text that will say why the trace ended.
-      character(:), allocatable :: before
+      !> Beginning of the words that will say why the trace ended.
+      type(words_type), allocatable :: before
    end type trace_state_type
 
    !> A branch of periodic motions; arrays over the points may be longer than `points`.
@@ -149,12 +150,12 @@ module geartrain_trace_branch
       type(special_point_type), allocatable :: special_points(:)
       !> Edges of separation and back collision; not allocated until locate_contact_edges fills the array.
       type(contact_edge_type), allocatable :: contact_edges(:)
-      !> Why the trace ended, in words; not allocated: the trace is under way.
-      character(:), allocatable :: ended
+      !> Why the trace ended; not allocated: the trace is under way.
+      type(words_type), allocatable :: ended
       !> Whether the branch got to the other end of the range or closed; whether it closed; whether the observer ended the trace.
       logical :: complete = .false., closed = .false., cancelled = .false.
       !> What the branch follows from, in words; not allocated for the response itself.
-      character(:), allocatable :: origin
+      type(words_type), allocatable :: origin
       !> State of the trace; allocated while the response is under way.
       type(trace_state_type), allocatable :: trace
    end type branch_type

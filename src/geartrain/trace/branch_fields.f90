@@ -1,7 +1,7 @@
 !> The fields of a branch: the groups /response, /branch_1, ..., with the special points and, while the response is under way, with
 !> the state of the trace.
 module geartrain_trace_branch_fields
-   use geartrain_base_carry, only: carry, carry_text
+   use geartrain_base_carry, only: carry, carry_text, carry_words
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_flow_motion_fields, only: on_stability
@@ -26,10 +26,10 @@ contains
 
       if (.not. fields%enter(home, 'periodic motions along a branch, through its folds', .true.)) return
       if (allocated(branch%frequency_ratio)) call fields%describe('coordinates', trim(free_name(branch)))
-      call carry_text(fields, row('origin', '', '', 'where the branch begins, in words', 'further branches', optional=.true.), &
-                      branch%origin)
-      call carry_text(fields, row('ended', '', '', 'why the branch ended, in words'), branch%ended, &
-                      'not yet: these are the points so far')
+      call carry_words(fields, row('origin', '', '', 'where the branch begins, in words', 'further branches', optional=.true.), &
+                       branch%origin)
+      call carry_words(fields, row('ended', '', '', 'why the branch ended, in words'), branch%ended, &
+                       'not yet: these are the points so far')
       call carry_text(fields, row('parameter_name', '', '', 'name of the parameter that varies along the branch', &
                                   'with `parameter`', optional=.true.), branch%parameter)
       call carry_text(fields, row('parameter_unit', '', '', 'unit of the parameter; 1: dimensionless', &
@@ -137,7 +137,7 @@ contains
          call carry(fields, row('curvature'), trace%curvature)
          call carry(fields, row('missed', least=0), trace%missed)
          call carry(fields, row('sense'), trace%sense)
-         call carry_text(fields, row('before', optional=.true.), trace%before)
+         call carry_words(fields, row('before', optional=.true.), trace%before)
          if (trace%steps == 0) return
          call fields%check(trace%step > 0, 'step')
          call visit_solution(trace%here, home//'/here', trace%harmonics, branch, fields)

@@ -5,6 +5,7 @@ module geartrain_trace_first_motion
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: words_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_orbit_search, only: orbit_search_type
@@ -324,7 +325,7 @@ contains
       type(motion_type), intent(out) :: motion
       logical, intent(out) :: success
       type(branch_type), target :: way
-      character(:), allocatable :: reason
+      type(words_type), allocatable :: reason
       integer :: outcome
 
       ! The number of harmonics stays constant along the way.

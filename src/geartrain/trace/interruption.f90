@@ -1,6 +1,6 @@
 !> Removes from a branch the step in which the trace was interrupted: its points may be wrong.
 module geartrain_trace_interruption
-   use geartrain_base_numbers, only: text
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_tracer, only: tracer_type
    implicit none (type, external)
@@ -20,8 +20,8 @@ contains
       branch%points = min(branch%points, tracer%kept(1))
       if (allocated(branch%special_points)) &
          branch%special_points = branch%special_points(:min(size(branch%special_points), tracer%kept(2)))
-      branch%ended = 'cancelled before its first point'
-      if (branch%points > 0) branch%ended = 'cancelled at Lambda = '//text(branch%frequency_ratio(branch%points))
+      branch%ended = words_type('cancelled before its first point')
+      if (branch%points > 0) branch%ended = 'cancelled at '//lambda(branch%frequency_ratio(branch%points))
       branch%complete = .false.
       branch%closed = .false.
       branch%cancelled = .true.

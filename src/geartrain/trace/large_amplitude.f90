@@ -7,6 +7,7 @@ module geartrain_trace_large_amplitude
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_linalg_trigonometric, only: rms
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_corrector, only: inner, solution_point_type
@@ -51,22 +52,22 @@ contains
       type(branch_type), intent(inout), target :: branch
       !> How the trace ended: an outcome of the tracer or of this module, see `followed_out`.
       integer, intent(out) :: outcome
-      !> How the trace ended, in words.
-      character(:), allocatable, intent(out) :: reason
+      !> Why the trace ended.
+      type(words_type), allocatable, intent(out) :: reason
       !> Is told of each step, and may cancel.
       class(observer_type), intent(inout), optional :: observer
       !> First point of the branch, at which it may close; then on the harmonics in use.
       type(solution_point_type), intent(inout) :: began
       !> Index of the point `solution` on the branch; absent: the latest point.
       integer, intent(in), optional :: point
-      character(:), allocatable :: before
+      type(words_type) :: before
       real(dp) :: left_at, low, high
       integer :: passage, first
       logical :: success
 
       low = min(tracer%settings%start, tracer%settings%stop)
       high = max(tracer%settings%start, tracer%settings%stop)
-      before = ''
+      before = words_type('')
       ! The response may have been above the limit in the run before a resumed one.
       if (allocated(branch%trace)) before = branch%trace%before
       first = branch%points
@@ -84,8 +85,8 @@ contains
             &a larger amplitude_limit traces it there as usual'
          if (passage /= came_down) return
          call tracer%adapt(solution, success, origin=began)
-         before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from Lambda = '//text(left_at) &
-                  //' to '//text(solution%frequency_ratio)//'; '
+         before = before//'beyond the amplitude limit '//text(tracer%amplitude_limit)//' from ' &
+                  //lambda(left_at, solution%frequency_ratio)//'; '
          if (allocated(branch%trace)) branch%trace%before = before
          tracer%segment = tracer%segment + 1
          call tracer%record(solution, branch)

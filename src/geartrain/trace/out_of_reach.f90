@@ -3,6 +3,7 @@
 module geartrain_trace_out_of_reach
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
+   use geartrain_base_words, only: lambda, operator(//), words_type
    implicit none (type, external)
    private
    public :: find_out_of_reach
@@ -22,7 +23,7 @@ contains
       !> Lambda of the latest point [1].
       real(dp), intent(in) :: frequency_ratio
       !> The reason.
-      character(:), allocatable, intent(out) :: reason
+      type(words_type), allocatable, intent(out) :: reason
       real(dp) :: enough
 
       if (missed < most_missed .and. count(estimate > useless) < most_useless) return
@@ -31,7 +32,7 @@ contains
       do while (4*count(estimate > enough) > count(estimate > tolerance))
          enough = 2*enough
       end do
-      reason = 'teeth part in hundreds of mesh cycles that all differ, at Lambda = '//text(frequency_ratio)//': '
+      reason = 'teeth part in hundreds of mesh cycles that all differ, at '//lambda(frequency_ratio)//': '
       if (enough < useless) reason = reason//'a tolerance of '//text(enough)//' is within reach; '
       reason = reason//'&integration follows such motions'
    end subroutine find_out_of_reach

@@ -4,6 +4,7 @@ module geartrain_trace_tracer
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_floquet_multipliers, only: are_numbers, side_of_fold
    use geartrain_trace_branch, only: branch_type, multipliers_at, trace_state_type
    use geartrain_trace_corrector, only: solution_point_type
@@ -65,8 +66,8 @@ contains
       type(branch_type), intent(inout), target :: branch
       !> How the trace ended: a constant of this module.
       integer, intent(out) :: outcome
-      !> How the trace ended, in words.
-      character(:), allocatable, intent(out) :: reason
+      !> Why the trace ended.
+      type(words_type), allocatable, intent(out) :: reason
       !> Told of each step; may end the trace.
       class(observer_type), intent(inout), optional :: observer
       !> Where the branch began, and closes: `here` unless it is given. Put onto the present harmonics where the branch passes the
@@ -80,6 +81,7 @@ contains
       integer :: steps, before, sense, i, missed
       logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden
       type(crossing_type), allocatable :: crossings(:)
+      character(:), allocatable :: trouble
 
       before = branch%points
       if (present(point)) before = point
@@ -136,8 +138,8 @@ contains
             h = h*shorter
             if (h >= smallest_step) cycle
             outcome = stuck
-            call self%tell_trouble(reason)
-            reason = 'step below '//text(smallest_step)//' at Lambda = '//text(here%frequency_ratio)//': '//reason
+            call self%tell_trouble(trouble)
+            reason = 'step below '//text(smallest_step)//' at '//lambda(here%frequency_ratio)//': '//trouble
             return
          end if
          fold_at = 0
@@ -151,7 +153,7 @@ contains
                call self%corrector%correct(here, success)
                if (success .and. h >= smallest_step) cycle
                outcome = stuck
-               reason = 'no fold where Lambda turns, at Lambda = '//text(here%frequency_ratio)
+               reason = 'no fold where Lambda turns, at '//lambda(here%frequency_ratio)
                return
             end if
          end if
@@ -181,7 +183,7 @@ contains
             call self%corrector%correct(here, success)
             if (success) cycle
             outcome = stuck
-            reason = 'the branch is lost at Lambda = '//text(here%frequency_ratio)
+            reason = 'the branch is lost at '//lambda(here%frequency_ratio)
             return
          end if
          if (self%recorder%stability .and. .not. self%vanishes()) then
@@ -230,11 +232,11 @@ contains
          if (keep_going) cycle
          outcome = cancelled
          branch%cancelled = .true.
-         reason = 'cancelled at Lambda = '//text(here%frequency_ratio)
+         reason = 'cancelled at '//lambda(here%frequency_ratio)
          return
       end do
       outcome = closed_loop
-      reason = 'closed where it began, at Lambda = '//text(origin%frequency_ratio)
+      reason = 'closed where it began, at '//lambda(origin%frequency_ratio)
    end subroutine trace
 
    !> Whether and how the trace ends at the latest point of the branch; the step began at point number `before`.
@@ -245,8 +247,7 @@ contains
       integer, intent(in) :: before
       type(branch_type), intent(in) :: branch
       integer, intent(out) :: outcome
-      character(:), allocatable, intent(inout) :: reason
-      character(:), allocatable :: words
+      type(words_type), allocatable, intent(inout) :: reason
       integer :: mesh
 
       associate (n => branch%points, frequency_ratio => branch%frequency_ratio(branch%points))
@@ -254,24 +255,22 @@ contains
          outcome = under_way
          if (at_bound) then
             outcome = merge(reached_end, came_back, abs(frequency_ratio - target) <= 0)
-            reason = 'reached Lambda = '//text(frequency_ratio)
-            if (outcome == came_back) reason = 'came back to Lambda = '//text(frequency_ratio)
+            reason = 'reached '//lambda(frequency_ratio)
+            if (outcome == came_back) reason = 'came back to '//lambda(frequency_ratio)
          else if (meets) then
             outcome = met_half_period
-            reason = 'met the branch of half its period at Lambda = '//text(frequency_ratio)
+            reason = 'met the branch of half its period at '//lambda(frequency_ratio)
          else if (branch%rms(mesh, n) > max(self%amplitude_limit, branch%rms(mesh, before))) then
             ! Not where the rms falls: a branch may begin above the limit.
             outcome = left_by_amplitude
             reason = 'rms of '//trim(self%system%mesh_name(mesh))//' passed the amplitude limit '//text(self%amplitude_limit) &
-                     //' at Lambda = '//text(frequency_ratio)
+                     //' at '//lambda(frequency_ratio)
          else if (n >= self%settings%max_points) then
             outcome = full
-            reason = 'max_points = '//text(self%settings%max_points)//' reached at Lambda = '//text(frequency_ratio)
+            reason = 'max_points = '//text(self%settings%max_points)//' reached at '//lambda(frequency_ratio)
          else if (self%chooses_sets .and. self%corrector%balance%has_long_period()) then
-            call find_out_of_reach(branch%error_estimate(:n), self%missed, self%settings%tolerance, frequency_ratio, words)
-            if (.not. allocated(words)) return
-            outcome = full
-            reason = words
+            call find_out_of_reach(branch%error_estimate(:n), self%missed, self%settings%tolerance, frequency_ratio, reason)
+            if (allocated(reason)) outcome = full
          end if
       end associate
    end subroutine find_end
