@@ -38,7 +38,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "torque": Variable("torque", "real", "float", 0.0, False, "Mean torque on the body, positive in its sense of rotation; [N m]"),
         "torque_cos": Variable("torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the torque on the body, orders 1, 2, ... of Lambda; [N m]"),
         "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [N m]"),
-        "revolution_torque_cos": Variable("revolution_torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the torque on the body, orders 1, 2, ... of its revolution; every mesh must have teeth; [N m]"),
+        "revolution_torque_cos": Variable("revolution_torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the torque on the body, orders 1, 2, ... of its revolution, of a planet against its carrier; every mesh must have teeth; [N m]"),
         "revolution_torque_sin": Variable("revolution_torque_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [N m]"),
         "damping_to_ground": Variable("damping_to_ground", "real", "float", 0.0, False, "Damping of the vibration of the body against the ground; give a mean drag as torque; [N m s/rad]; >= 0"),
         "stiffness_to_ground": Variable("stiffness_to_ground", "real", "float", 0.0, False, "Stiffness of a spring between the body and the ground; it bears a mean torque, and the body cannot turn; [N m/rad]; >= 0"),

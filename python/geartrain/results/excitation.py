@@ -61,7 +61,7 @@ def excitations(train: Description) -> Iterator[Excitation]:
         torque = _amplitudes(body.torque_cos, body.torque_sin)
         yield from _harmonics(f"torque on {name}", name, 1, torque, torque)
         torque = _amplitudes(body.revolution_torque_cos, body.revolution_torque_sin)
-        yield from _harmonics(f"revolution of {name}", name, numbers[name].get("revolution_order", 1), torque, torque)
+        yield from _harmonics(f"revolution of {name}", name, numbers.get(name, {}).get("revolution_order", 1), torque, torque)
     torque = _amplitudes(train.torque_cos, train.torque_sin)
     yield from _harmonics("input torque", train.body_labels[0], 1, torque, torque)
 
