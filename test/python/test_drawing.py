@@ -57,6 +57,15 @@ def test_a_speed_outside_the_range_of_a_branch_is_told(drawn):
     assert np.abs(np.diff(branch.frequency)).max() < 0.1 * 1.1
 
 
+def test_why_a_run_up_ended_is_told_in_rpm_also_once_kept(drawn, tmp_path):
+    case = tmp_path / "case.nml"
+    case.write_text(drawn.namelist(run_up={"start": 1450, "stop": 1460, "duration": 0.02}), encoding="utf-8")
+    results = gt.read_case(case).run()
+    results.write(tmp_path / "case.h5")
+    for found in (results.run_up, pickle.loads(pickle.dumps(results)).run_up, gt.read_results(tmp_path / "case.h5").run_up):
+        assert found.ended.startswith("reached Lambda = 1460") and "reached 1460 rpm" in repr(found)
+
+
 def test_explanation_cannot_be_changed_and_is_plain_python(drawn):
     explained = drawn.explain()
     with pytest.raises(TypeError):

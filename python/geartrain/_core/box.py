@@ -169,7 +169,8 @@ class Box:
             if names[-1] == "complex" and name != "complex":
                 pairs, names = np.ascontiguousarray(values), names[:-1]
                 values = pairs.view(np.complex128)[..., 0] if pairs.size else np.zeros(pairs.shape[:-1], complex)
-            if (sentence := name.removesuffix("_places")) in group.attributes:
+            if name.endswith("_places"):
+                sentence = name.removesuffix("_places")
                 group.attributes[sentence] = Words(group.attributes[sentence])
                 group.attributes[sentence].places = values
                 continue
