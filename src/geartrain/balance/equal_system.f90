@@ -1,5 +1,5 @@
-!> The linearised balance of a motion in which equal branches move equally, in the coefficients of one branch of each kind: the blocks
-!> of three equal planets become those of one. The solution is that of the whole system for right sides of the same symmetry.
+!> The linearised balance of a motion in which equal branches move equally, in the coefficients of one branch of each kind: the
+!> blocks of three equal planets become those of one. The solution is that of the whole system for right sides of equal symmetry.
 !>
 !> The equations of the mean are those of a tree and its loops. Multiplied with `fixed%inverse` they are exchanged as the
 !> others are (geartrain_balance_fixed_space), and one of each kind is enough.
