@@ -1,7 +1,6 @@
 !> LU factors of square matrices. Up to 32 rows plain loops are several times faster than LAPACK, whose calls, packing and threads
 !> are made for large matrices; LAPACK takes the larger matrices.
 module geartrain_linalg_elimination
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_lapack, only: dgetrf, dgetrs
    implicit none (type, external)
@@ -10,17 +9,6 @@ module geartrain_linalg_elimination
 
    !> Most rows of a matrix that plain loops eliminate; most columns that are solved for at a time.
    integer, parameter :: most_rows = 32, most_columns = 32
-
-   ! substitution.c
-   interface
-      pure subroutine substitute(n, columns, a, rows) bind(c, name='geartrain_substitute')
-         import :: c_double, c_int
-         implicit none (type, external)
-         integer(c_int), value :: n, columns
-         real(c_double), intent(in) :: a(*)
-         real(c_double), intent(inout) :: rows(*)
-      end subroutine substitute
-   end interface
 
 contains
 
@@ -112,7 +100,7 @@ contains
       end do
    end subroutine solve_factored
 
-   !> Solves for several columns, side by side.
+   !> Solves for several columns: the inner loops run over the columns.
    pure subroutine solve_columns(n, columns, a, pivot, b)
       integer, intent(in) :: n, columns, pivot(n)
       real(dp), intent(in) :: a(n, n)
@@ -121,8 +109,6 @@ contains
       integer :: i, k
 
       rows(:columns, :n) = transpose(b)
-      ! The last of a four, which are no right-hand sides.
-      rows(columns + 1:4*((columns + 3)/4), :n) = 0
       do k = 1, n
          if (pivot(k) == k) cycle
          do i = 1, columns
@@ -131,9 +117,33 @@ contains
             rows(i, pivot(k)) = held
          end do
       end do
-      call substitute(n, columns, a, rows)
+      do k = 1, n - 1
+         do i = k + 1, n
+            call subtract(columns, a(i, k), rows(:, k), rows(:, i))
+         end do
+      end do
+      do k = n, 1, -1
+         held = 1/a(k, k)
+         rows(:columns, k) = held*rows(:columns, k)
+         do i = 1, k - 1
+            call subtract(columns, a(i, k), rows(:, k), rows(:, i))
+         end do
+      end do
       b = transpose(rows(:columns, :n))
    end subroutine solve_columns
+
+   !> from := from - factor row.
+   pure subroutine subtract(columns, factor, row, from)
+      integer, intent(in) :: columns
+      real(dp), intent(in) :: factor, row(columns)
+      real(dp), intent(inout) :: from(columns)
+      integer :: i
+
+      !GCC$ unroll 1
+      do i = 1, columns
+         from(i) = from(i) - factor*row(i)
+      end do
+   end subroutine subtract
 
    !> Solves for one column.
    pure subroutine solve_column(n, a, pivot, b)
