@@ -100,6 +100,7 @@ def test_datasets_are_those_of_the_file(path, results):
     }
     for name, result in groups.items():
         stored = xarray.open_dataset(path, group=name, engine="h5netcdf")
+        stored = stored.drop_vars({"ended_places", "origin_places"} & set(stored.variables))  # of sentences, for reading back
         found = result.to_dataset()
         radius = {"spectral_radius"} & set(stored)  # whose last bit is that of Fortran's or of numpy's hypotenuse
         xarray.testing.assert_equal(found.drop_vars(radius), stored.drop_vars(radius))
