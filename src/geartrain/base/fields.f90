@@ -50,7 +50,7 @@ module geartrain_base_fields
       !> Lengths of the dimensions of the present group; expected lengths in all groups.
       type(lengths_type), private :: lengths, expected
       !> The dimensions whose places have labels beside their numbers, see `expect`.
-      type(labels_type), private :: labelled(4)
+      type(labels_type), private :: labelled(8)
       !> Dimension of the list that is visited item by item; '': no list.
       character(24) :: along = ''
       !> Number of items of the list; number of the present item.
@@ -83,7 +83,7 @@ contains
       character(*), intent(in) :: name
       !> Number of places of the dimension.
       integer, intent(in) :: length
-      !> Labels that stand beside the numbers of the places wherever the dimension has an axis, (length); for four dimensions at
+      !> Labels that stand beside the numbers of the places wherever the dimension has an axis, (length); for eight dimensions at
       !> most.
       character(*), intent(in), optional :: labels(:)
       integer :: i, n
