@@ -27,7 +27,7 @@ class Turbine:
         place = {name: number for number, name in enumerate(BODIES)}
         self.inertia = np.array([numbers[name]["inertia"] for name in BODIES])
         carrier = 1 / ((1 + 99 / 21) * (82 / 23) * (88 / 22))  # turns per turn of the generator
-        self.order = np.array([(1 + 99 / 21) * carrier * 82, 88 / 22 * 22, *6 * [99 * carrier]])
+        self.order = np.array([(1 + 99 / 21) * carrier * 82, 22, *6 * [99 * carrier]])
         self.torque = np.zeros(len(BODIES))
         self.torque[[place["rotor"], place["generator"]]] = 322e3, -322e3 * carrier
         rows, self.meshes = [], [numbers[f"mesh {number}"] for number in range(1, 9)]
