@@ -130,8 +130,9 @@ def page(
     every = 1
     while True:
         block = Block()
-        told: dict[str, Any] = {"quantities": quantities(), "version": _version()}
+        told: dict[str, Any] = {"version": _version()}
         told["files"] = [shown_results(piece, name, block, every) for _, name, piece in pieces]
+        told["quantities"] = quantities(*(file["forceUnit"] for file in told["files"][:1]))
         over = [file["over"] or "frequency" for file in told["files"]]
         if compare is not None and len({*over}) > 1:
             raise InputError(f"compare: goes over {over[1]}: must go over {over[0]}, as the results do")

@@ -15,7 +15,7 @@ from .._core.description import Description
 from .._core.extras import extra
 from .._core.units import hertz_of, in_own_unit, length_unit, speed_of, units_of
 from ..errors import InputError
-from ..plots.captions import caption, first_quantity, is_drawn
+from ..plots.captions import caption, first_quantity, force_unit, is_drawn
 from ..plots.schematic import draw_schematic, figure_size
 from ..results.campbell import exciting_orders
 from ..results.curve import Between, is_slope, position, value_at
@@ -42,11 +42,17 @@ _FACTS = ("error_estimate", "estimate_doubtful", "correction", "harmonics", "sec
           "lyapunov_error", "share", "floating", "count_undecided")
 
 
-def quantities() -> dict[str, dict[str, str]]:
-    """What can be drawn over the speed: fields with a column for each mesh or for each shaft, what they are called, their unit."""
+def quantities(force: str = "N") -> dict[str, dict[str, str]]:
+    """What can be drawn over the speed: fields with a column for each mesh or for each shaft, what they are called, their unit.
+
+    Parameters
+    ----------
+    force : str
+        Unit of the force of meshes.
+    """
     about = described()["/response"].about
     found = {
-        name: {"along": dimensions[1], "unit": unit, "words": caption(name)}
+        name: {"along": dimensions[1], "unit": force if unit == "N" else unit, "words": caption(name)}
         for name, (dimensions, unit, _) in about.items()
         if len(dimensions) == 2 and dimensions[1] in ("mesh", "shaft") and not is_slope(name)
     }
@@ -109,6 +115,7 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
         "speedOf": train.speed_name,
         "length": train._outline["characteristic_length"],
         "lengthUnit": length_unit(train).strip(" []"),
+        "forceUnit": force_unit(train),
         "meshes": list(train.mesh_labels),
         "shafts": list(train.shaft_labels),
         "laws": laws,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from .._core.description import Description
 from .._core.units import units_of
 
-__all__ = ["CAPTIONS", "LENGTHS", "caption", "first_quantity", "is_drawn", "motion_words", "number_words"]
+__all__ = ["CAPTIONS", "LENGTHS", "caption", "first_quantity", "force_unit", "is_drawn", "motion_words", "number_words"]
 
 #: Of fields with a column for each mesh or shaft, and of what pictures compute from them.
 CAPTIONS = {
@@ -40,6 +40,11 @@ def caption(name: str) -> str:
 def is_drawn(train: Description | None) -> bool:
     """Whether results are in rpm: the train is given by its drawing, and Lambda is the speed."""
     return units_of(train, None).unit == "rpm"
+
+
+def force_unit(train: Description | None) -> str:
+    """Unit of the force of meshes, after which the couplings stand with their torque."""
+    return "N, of couplings N m" if train is not None and train.couplings else "N"
 
 
 def first_quantity(train: Description | None) -> str:

@@ -17,7 +17,7 @@ from ..results.campbell import exciting_orders
 from ..results.motion_check import check_motion
 from ..results.orders import named_orders
 from ..results.trajectory import Trajectory
-from .captions import motion_words
+from .captions import force_unit, motion_words
 from .draw import DASHES, MARKERS, check_number, draw_lines, draws, line_style, new_axes, put_legend
 
 if TYPE_CHECKING:
@@ -125,7 +125,7 @@ class Pictures:
             axes[2].set_ylim(0, 1.1 * amplitude[:, chosen].max())
             self._name_lines(axes[2], order, places, amplitude[:, chosen].max(axis=1))
         axes[0].set_ylabel(f"displacement {units.length}")
-        axes[1].set_ylabel("mesh force  [N]")
+        axes[1].set_ylabel(f"mesh force  [{force_unit(self.train)}]")
         axes[1].set_xlabel(units.time)
         axes[2].set_ylabel(f"amplitude {units.length}")
         turns = f"order, per revolution of {self.train.speed_name}" if self.train is not None else ""

@@ -18,7 +18,7 @@ from .._core.units import Unit, Units, units_of
 from ..errors import InputError, shown
 from ..results.curve import Between, is_slope, position, value_at
 from ..results.summary import Readings
-from .captions import LENGTHS, caption, first_quantity, number_words
+from .captions import LENGTHS, caption, first_quantity, force_unit, number_words
 from .draw import COLORS, MARKERS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, draws, line_style, put_legend
 from .panels import are_unequal, name_height, new_panels, scale
 
@@ -71,7 +71,8 @@ class Quantity:
         number = there[first].shape[1]
         named = {"mesh": mesh_names, "shaft": shaft_names, "planet": planet_names}[columns[first]]
         names = named(train, number)
-        return cls(name, columns[first], about[first][1], names, known[name], [there[field] for field in known[name]])
+        unit = force_unit(train) if about[first][1] == "N" else about[first][1]
+        return cls(name, columns[first], unit, names, known[name], [there[field] for field in known[name]])
 
     def label(self, units: Units) -> str:
         """Of its axis."""

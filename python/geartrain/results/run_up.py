@@ -16,6 +16,7 @@ from .._core.description import Description
 from .._core.table import Table
 from .._core.units import Unit, in_own_unit, units_of
 from ..errors import InputError, shown
+from ..plots.captions import force_unit
 from ..plots.draw import COLORS, draws, new_axes, put_legend
 from ..plots.panels import are_unequal, name_height, new_panels, scale
 from .campbell import exciting_orders
@@ -184,6 +185,8 @@ class RunUp(Table):
                 scale(panel, part, from_zero=False)
         axes[-1].set_xlim(frequency[0], frequency[-1] if frequency[-1] != frequency[0] else None)
         axes[-1].set_xlabel(units.frequency)
+        if what == "mesh_force":
+            dimension = force_unit(self.train)
         name_height(axes, f"{label}  {units.length}" if what == "displacement" else f"{label}  [{dimension}]")
         if not split:
             put_legend(axes[0], own)

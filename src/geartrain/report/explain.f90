@@ -149,9 +149,9 @@ contains
 
       associate (k => context%kinematics, bodies => context%given%bodies)
          if (k%order_error > 0) then
-            words = 'about '//short(context%plain%speed_ratio)//' turns of '//trim(speed_name(context))//', by mesh frequencies &
-               &within '//short(k%order_error)//' of those of the teeth, by which it is '
-            words = words//integer_text(int(k%fundamental(2)))//'/'//integer_text(int(k%fundamental(1)))
+            words = 'about '//integer_text(nint(context%plain%speed_ratio))//' turns of '//trim(speed_name(context))// &
+                    ', by the teeth '//integer_text(int(k%fundamental(2)))
+            if (k%fundamental(1) /= 1) words = words//'/'//integer_text(int(k%fundamental(1)))
             return
          end if
          if (allocated(context%given%bodies)) then

@@ -262,7 +262,7 @@ function runUpView(panel) {
   );
   function draw() {
     const { low, high } = main.runUp[along],
-      [names, unit, title] = { mesh: [main.meshes, "N", "mesh force"], shaft: [main.shafts, "N m", "shaft torque"] }[along],
+      [names, unit, title] = { mesh: [main.meshes, main.forceUnit, "mesh force"], shaft: [main.shafts, "N m", "shaft torque"] }[along],
       width = low.shape[1],
       x = Array.from(main.runUp.lambda, (l) => l * per(main));
     const column = (values, part) => x.map((_, i) => values[i * width + part]),
