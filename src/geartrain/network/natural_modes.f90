@@ -35,7 +35,7 @@ module geartrain_network_natural_modes
       !> Rotation of each body in the motions that deflect no element, largest 1, (body, motion).
       real(dp), allocatable :: rigid(:, :)
       !> 'shaft 1', 'mesh 1', ...: the elastic elements in the order of the case, (element).
-      character(16), allocatable :: element(:)
+      character(20), allocatable :: element(:)
       !> Names of the two bodies that an element joins, 'pinion - wheel'; in a chain as `element`, (element).
       character(label_length), allocatable :: element_label(:)
       !> Names of the bodies, (body).
