@@ -138,7 +138,7 @@ def test_settling_of_misplaced_planets():
 
 @pytest.mark.full
 def test_run_up_of_misplaced_planets():
-    train, duration, start, stop = misplaced((0.0, 1.5e-6, -20e-6), drag=-0.5), 0.01, 0.6, 0.7
+    train, duration, start, stop = misplaced((0.0, 1.5e-6, -1e-6), drag=-0.5), 0.01, 0.6, 0.7
     found = train.run_up(start=start, stop=stop, duration=duration)
     model = Model(train)
     flow = Flow(model, start).accelerate((stop - start) / (duration * model.omega), 0.0 * model.speed)

@@ -97,9 +97,9 @@ def test_its_response_is_a_matter_of_seconds(turbine):
     branch = turbine.response(start=1100.0, stop=1900.0, unit="rpm", harmonics=0, tolerance=1e-3)
     assert time.process_time() - begun < 60
     assert branch.complete and branch.stable.all() and not branch.undecided.any() and branch.error_estimate.max() <= 1e-3
-    largest = branch.others["mesh_force_maximum"][:, 1].argmax()
+    largest = branch.mesh_force_maximum[:, 1].argmax()
     assert branch.speed[largest] == pytest.approx(1799, abs=1)
-    assert branch.others["dynamic_factor"][largest, 1] == pytest.approx(1.465, abs=2e-3)
+    assert branch.dynamic_factor[largest, 1] == pytest.approx(1.465, abs=2e-3)
 
 
 @pytest.mark.parametrize(

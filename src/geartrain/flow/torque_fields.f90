@@ -32,6 +32,10 @@ contains
       integer :: i, first, n
       logical :: none
 
+      if (.not. (there(fields, 'held') .or. there(fields, 'coupling'))) then
+         call carry(fields, about(1), values)
+         return
+      end if
       allocate (whole(0))
       none = .true.
       first = 1
@@ -60,6 +64,11 @@ contains
       real(dp), allocatable :: part(:, :), whole(:, :), longer(:, :)
       integer :: i, first, n
 
+      ! Without a copy: the arrays of a long run-up are large, and each of its steps comes here.
+      if (.not. (there(fields, 'held') .or. there(fields, 'coupling'))) then
+         call carry(fields, about(1), values)
+         return
+      end if
       first = 1
       do i = 1, 3
          if (.not. there(fields, dimensions(i))) cycle
