@@ -3,7 +3,7 @@
 module geartrain_flow_torque_fields
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: row => field_type
-   use geartrain_base_fields, only: arranging, fields_type, listing, reading
+   use geartrain_base_fields, only: arranging, fields_type, listing, measuring, reading
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
@@ -32,7 +32,7 @@ contains
       integer :: i, first, n
       logical :: none
 
-      if (.not. (there(fields, 'held') .or. there(fields, 'coupling'))) then
+      if (fields%way == measuring .or. .not. (there(fields, 'held') .or. there(fields, 'coupling'))) then
          call carry(fields, about(1), values)
          return
       end if
@@ -64,8 +64,8 @@ contains
       real(dp), allocatable :: part(:, :), whole(:, :), longer(:, :)
       integer :: i, first, n
 
-      ! Without a copy: the arrays of a long run-up are large, and each of its steps comes here.
-      if (.not. (there(fields, 'held') .or. there(fields, 'coupling'))) then
+      ! Without a copy: the arrays of a long run-up are large, and measured from step to step.
+      if (fields%way == measuring .or. .not. (there(fields, 'held') .or. there(fields, 'coupling'))) then
          call carry(fields, about(1), values)
          return
       end if
