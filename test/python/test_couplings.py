@@ -409,3 +409,24 @@ def test_a_chain_has_no_couplings():
     with pytest.raises(gt.InputError, match="there is no &body"):
         gt.Train(input_torque=1.0, prime_mover_inertia=1.0, load_inertia=1.0, shafts=[gt.Shaft(stiffness=1.0)] * 2,
                  couplings=[gt.Coupling(between=("a", "b"), stiffness=1.0)])
+
+
+def test_stages_of_two_digits_are_reached():
+    """Stages are numbered from the play to both sides; their names are whole, also where shooting finds them again."""
+    angle = 1e-3 * np.arange(1, 15)
+    torque = np.append(0.0, np.cumsum(1 + 0.01 * np.arange(13)))
+    train = gt.Train(
+        bodies=[gt.Body(name="a", inertia=0.01, torque=-3.5, torque_cos=[2.5]), gt.Body(name="b", inertia=0.05, balances=True)],
+        couplings=[gt.Coupling(between=("a", "b"), angle=[*-angle[::-1], *angle], torque=[*-torque[::-1], *torque],
+                               damping_ratio=0.06)],
+        characteristic_length=1e-6, characteristic_frequency=300.0)
+    branch = train.response(start=0.8, stop=1.1, harmonics=8)
+    kinds = {onset.kind for onset in branch.onsets}
+    # The largest and smallest twist, 1 um for 1 mrad, passed these corners.
+    low, high = -branch.minimum.min(), branch.maximum.max()
+    assert 13 < low and 12 < high
+    assert {f"stage -{number} reached" for number in range(10, 14)} <= kinds
+    assert {f"stage {number} reached" for number in range(2, 13)} <= kinds
+    onset = next(onset for onset in branch.onsets if onset.kind == "stage -12 reached")
+    exact = onset.exact()
+    assert exact.kind == onset.kind and exact.motion.minimum[0] == pytest.approx(-12.0, rel=1e-8)

@@ -1,11 +1,14 @@
 """A wind turbine's planetary and two parallel stages, by mesh frequencies near those of the teeth, against equations of its own."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from gearboxes import PLANETARY_TURBINE, train_of
 from scipy.integrate import solve_ivp
+
+import geartrain as gt
 
 pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 
@@ -89,6 +92,15 @@ def test_mesh_frequencies_are_near_those_of_the_teeth(turbine):
     orders = np.array([numbers[f"mesh {number}"]["order"] for number in range(1, 9)])
     assert orders.max() == 4817
     np.testing.assert_allclose(orders / numbers["train"]["speed_ratio"], Turbine(turbine).order, rtol=4.6e-6)
+
+
+def test_a_coupling_leaves_the_nearby_mesh_frequencies(turbine):
+    """A coupling has no order of its own."""
+    coupled = replace(turbine, shafts=turbine.shafts[:3],
+                      couplings=[gt.Coupling(between=("pinion 3", "generator"), stiffness=1e6, half_play=1e-3, damping_ratio=0.03)])
+    assert coupled.explain()["train"]["speed_ratio"] == turbine.explain()["train"]["speed_ratio"]
+    orders = [train.explain()[f"mesh {number}"]["order"] for number in range(1, 9) for train in (coupled, turbine)]
+    assert orders[::2] == orders[1::2]
 
 
 @pytest.mark.full

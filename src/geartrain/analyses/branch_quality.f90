@@ -102,7 +102,7 @@ contains
       type(frequency_text_type), intent(in) :: told
       type(sheet_type), intent(inout) :: sheet
       character(:), allocatable :: words, places
-      character(16) :: kind(size(branch%special_points))
+      character(24) :: kind(size(branch%special_points))
       integer :: i, n
 
       n = count(branch%undecided(:branch%points))

@@ -11,7 +11,7 @@ module geartrain_exact_audit_result
    !> A point or a special point of the branch beside the exact branch.
    type :: audit_row_type
       !> 'point', or the kind of a special point.
-      character(16) :: kind = 'point'
+      character(24) :: kind = 'point'
       !> Lambda of the point or special point of the branch; Lambda of the special point of the exact branch, negative for a point
       !> and where no special point was found.
       real(dp) :: frequency_ratio = 0, exact_frequency = -1

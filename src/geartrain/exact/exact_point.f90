@@ -42,7 +42,7 @@ module geartrain_exact_exact_point
 
    type :: exact_point_type
       !> Kind as in special_point_type; number of the mesh of a contact onset, else 0.
-      character(16) :: kind = ''
+      character(24) :: kind = ''
       integer :: mesh = 0
       !> Number of multipliers, or of pairs, that pass the unit circle there together, as of a special point.
       integer :: multiplicity = 1

@@ -18,7 +18,7 @@ module geartrain_readings_jumps
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
       !> Kind of the special point at which the stable motion ends.
-      character(16) :: cause = ''
+      character(24) :: cause = ''
       !> rms before and after the jump over characteristic length [1], (mesh); `after` is negative for 'leaves'.
       real(dp), allocatable :: before(:), after(:)
       !> Number of the point of the branch before the motion after the jump; 0: there is none.

@@ -24,7 +24,7 @@ module geartrain_trace_branch
       !> 'fold', 'period doubling', 'neimark-sacker' (a pair of multipliers leaves the unit circle) or 'branch point' (another
       !> branch of the same period crosses; a multiplier passes +1 without a fold); of a contact onset 'separation' (a mesh begins
       !> or ceases to separate), 'back contact' (its back flanks begin or cease to touch) or 'stage 2 reached'.
-      character(16) :: kind = ''
+      character(24) :: kind = ''
       !> Lambda [1].
       real(dp) :: frequency_ratio = 0
       !> Index of the point of the branch before the special point; of a fold the point itself.

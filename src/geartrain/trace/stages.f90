@@ -70,7 +70,7 @@ contains
    pure function stage_kind(stage) result(kind)
       !> Number of the stage.
       integer, intent(in) :: stage
-      character(16) :: kind
+      character(24) :: kind
 
       kind = begins//integer_text(stage)//ends
    end function stage_kind
@@ -79,13 +79,13 @@ contains
    pure integer function stage_of(kind) result(stage)
       !> The kind.
       character(*), intent(in) :: kind
+      integer :: last, status
 
       stage = no_stage
-      if (index(kind, begins) /= 1 .or. index(kind, ends) == 0) return
-      do stage = -99, 99
-         if (stage_kind(stage) == kind) return
-      end do
-      stage = no_stage
+      last = index(kind, ends) - 1
+      if (index(kind, begins) /= 1 .or. last <= len(begins)) return
+      read (kind(len(begins) + 1:last), *, iostat=status) stage
+      if (status /= 0) stage = no_stage
    end function stage_of
 
 end module geartrain_trace_stages

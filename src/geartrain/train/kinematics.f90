@@ -155,15 +155,19 @@ contains
    pure subroutine go_nearby(found)
       type(kinematics_type), intent(inout) :: found
       integer, allocatable :: order(:), nearby(:)
+      logical :: engages(size(found%order)), revolves(size(found%revolution_order))
       real(dp) :: scale
 
-      order = [found%order, pack(found%revolution_order, found%revolution_order > 0)]
+      ! Couplings, and bodies without a torque of their revolution, have no order.
+      engages = found%order > 0
+      revolves = found%revolution_order > 0
+      order = [pack(found%order, engages), pack(found%revolution_order, revolves)]
       allocate (nearby(size(order)))
       call find_nearby_orders(order, nearby, scale, found%order_error)
       if (.not. found%order_error > 0) return
       found%exact_order = found%order
-      found%order = nearby(:size(found%order))
-      found%revolution_order = unpack(nearby(size(found%order) + 1:), found%revolution_order > 0, 0)
+      found%order = unpack(nearby(:count(engages)), engages, 0)
+      found%revolution_order = unpack(nearby(count(engages) + 1:), revolves, 0)
       found%speed_ratio = found%speed_ratio*scale
    end subroutine go_nearby
 
