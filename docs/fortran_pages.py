@@ -52,7 +52,10 @@ def section(path):
             text += [f"({anchor(module, type_[1])})=", f"### {escaped(type_[1])}", "", f"`{code}`", "", prose(told), "",
                      *members(lines[place + 1:])]
         elif re.match(r"interface\s+\w+$", code) and code.split()[1] in public:
-            text += [f"({anchor(module, code.split()[1])})=", f"### {escaped(code.split()[1])}", "", prose(told), ""]
+            # A constructor has its type's name, and the type has the anchor.
+            of_type = any(type_ and type_[1] == code.split()[1] for type_ in (TYPE.match(code) for _, code in lines))
+            text += [*([] if of_type else [f"({anchor(module, code.split()[1])})="]), f"### {escaped(code.split()[1])}", "",
+                     prose(told), ""]
         elif match and (match[3] in public or match[3] in bound):
             public_name = match[3] in public
             text += [*([f"({anchor(module, match[3])})="] if public_name else []), f"### {escaped(match[3])}", "",

@@ -22,7 +22,7 @@ log_of() {
 # show_failures LOG: what failed by the log, then its end, set off from what the scripts say themselves.
 show_failures() {
    echo "--- $1:"
-   { grep -aE '^(FAILED|ERROR|E:)' "$1" | head -n 40; echo ...; tail -n 30 "$1"; } | sed 's/^/    /' || true
+   { grep -aE '^(FAILED|ERROR|E:)|: WARNING: ' "$1" | head -n 40; echo ...; tail -n 30 "$1"; } | sed 's/^/    /' || true
 }
 
 # step MESSAGE COMMAND...: one line when the command works, also the tail of its log when it does not.

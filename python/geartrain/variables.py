@@ -144,7 +144,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     "coupling": {
         "between": Variable("between", "names", "Sequence[str]", None, False, "Names of the two bodies"),
         "name": Variable("name", "text", "str", "", False, "Label in results; none: by the names of the bodies"),
-        "stiffness": Variable("stiffness", "real", "float", None, False, "Torsional stiffness; else `angle` and `torque; [N m/rad]; > 0"),
+        "stiffness": Variable("stiffness", "real", "float", None, False, "Torsional stiffness, in place of angle and torque; [N m/rad]; > 0"),
         "half_play": Variable("half_play", "real", "float", 0.0, False, "Half of the play; 0: none; [rad]; >= 0"),
         "angle": Variable("angle", "reals", "Series", None, False, "In place of stiffness and half_play: twists at the corners of a polygon, whose ends go on; [rad]"),
         "torque": Variable("torque", "reals", "Series", None, False, "Torques at the corners, ascending; 0 within a play; [N m]"),
@@ -189,7 +189,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "stability": Variable("stability", "logical", "bool", False, False, "Floquet multipliers of every settled motion"),
     },
     "attractors": {
-        "frequency": Variable("frequency", "real", "float", None, True, "Frequency, in `unit; > 0"),
+        "frequency": Variable("frequency", "real", "float", None, True, "Frequency, in `unit`; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies; rpm only where every mesh has teeth; 'Lambda', 'rpm' or 'Hz'"),
         "starts": Variable("starts", "integer", "int", 200, False, "Number of random starts: displacements up to three times the static displacement, velocities up to this displacement times the natural frequency of the mesh alone; >= 1 and <= 1.0e6"),
         "random_seed": Variable("random_seed", "integer", "int", 0, False, "The same seed gives the same starts"),
@@ -201,7 +201,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "long_period": Variable("long_period", "logical", "bool", False, False, "Allow periods of more than 500 mesh cycles, as of hunting teeth; takes minutes to days"),
     },
     "basins": {
-        "frequency": Variable("frequency", "real", "float", None, True, "Frequency, in `unit; > 0"),
+        "frequency": Variable("frequency", "real", "float", None, True, "Frequency, in `unit`; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Unit of the frequencies; rpm only where every mesh has teeth; 'Lambda', 'rpm' or 'Hz'"),
         "mesh": Variable("mesh", "integer", "int", 1, False, "Number of the mesh whose displacement and velocity the starts vary; >= 1"),
         "displacement_start": Variable("displacement_from", "real", "float", 0.0, False, "Displacement at one end of the grid over characteristic_length; where both ends are 0, the range is plus and minus three times the static displacement"),

@@ -29,7 +29,7 @@ contains
       call v%on_text(row('name', '', 'label in results; none: by the names of the bodies'), word)
       coupling%name = word
       given = abs(coupling%torsional_stiffness) > 0
-      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness; else `angle` and `torque`', above=zero), &
+      call v%on_real(row('stiffness', 'N m/rad', 'torsional stiffness, in place of angle and torque', above=zero), &
                      coupling%torsional_stiffness, given)
       call v%on_real(row('half_play', 'rad', 'half of the play; 0: none', least=zero), &
                      coupling%half_play)
