@@ -165,10 +165,11 @@ SETS = {
 }
 
 
-@pytest.mark.full
+@pytest.mark.parametrize("place", [pytest.param(1.5, marks=pytest.mark.full),
+                                   *(pytest.param(place, marks=pytest.mark.nightly) for place in (0.9, 2.1))])
 @pytest.mark.parametrize("name", SETS)
-def test_motions(name):
-    check_branch(SETS[name](), [0.9, 1.5, 2.1], harmonics=12, near=True)
+def test_motions(name, place):
+    check_branch(SETS[name](), [place], harmonics=12, near=True)
 
 
 @pytest.mark.nightly
@@ -309,8 +310,8 @@ def test_random_rows(seed):
 
 
 @pytest.mark.parametrize("seed", [
-    *(pytest.param(seed, marks=pytest.mark.full) for seed in range(10)),
-    *(pytest.param(seed, marks=pytest.mark.nightly) for seed in range(10, 60)),
+    *(pytest.param(seed, marks=pytest.mark.full) for seed in range(4)),
+    *(pytest.param(seed, marks=pytest.mark.nightly) for seed in range(4, 60)),
 ])
 def test_random_rows_with_backlash(seed):
     same_motion_with_backlash(seed)

@@ -140,8 +140,9 @@ def difference(found, exact):
     return abs(found - exact).max(axis=0) / np.ptp(exact, axis=0)
 
 
-@pytest.mark.full
-@pytest.mark.parametrize(("torque", "speed"), [(322e3, 1500.0), (3e4, 1500.0)])
+@pytest.mark.parametrize(("torque", "speed"), [
+    pytest.param(322e3, 1500.0, marks=pytest.mark.nightly), pytest.param(3e4, 1500.0, marks=pytest.mark.full),
+])
 def test_a_window_against_scipy(torque, speed):
     """Rms, extremes and forces over a window, from the same state; at light load teeth separate."""
     train = wind_turbine(torque)
@@ -232,23 +233,19 @@ def test_interrupted_at_once(call, wait):
 
 @pytest.mark.full
 def test_in_contact_with_many_harmonics():
-    """2279 cycles, some 500 harmonics at 1e-3, and no teeth part: a tenth of a second a point, where it took 14."""
+    """2279 cycles, some 500 harmonics at 1e-3, and no teeth part."""
     train = stages((20, 43), (19, 53), (17, 61), error_cos=3e-6)
     train = gt.Train(speed_of="motor", bodies=train.bodies, shafts=train.shafts, meshes=train.meshes)
-    before = time.process_time()
     branch = train.response(start=1650.0, stop=1660.0, unit="rpm", harmonics=0, tolerance=1e-3)
     assert branch.complete and branch.error_estimate.max() <= 1e-3 and (branch.separation_fraction == 0).all()
-    assert time.process_time() - before < 0.5 * len(branch.error_estimate)
     [motion], window = branch.at(1655.0, unit="rpm"), train.integrate(1655.0, unit="rpm", window=500)
     assert (abs(motion.rms - window.rms) <= 1e-3 * window.rms + window.rms_uncertainty).all()
 
 
-@pytest.mark.full
+@pytest.mark.nightly
 def test_teeth_that_part_in_a_long_period_end_early():
-    """The wind turbine at a tenth of its load: teeth part at 1034 rpm. Minutes, and no end, before."""
-    before = time.process_time()
+    """The wind turbine at a tenth of its load: teeth part at 1034 rpm."""
     branch = wind_turbine(3e4).response(start=1000.0, stop=1100.0, unit="rpm", harmonics=0, tolerance=1e-3)
-    assert time.process_time() - before < 120
     apart = (branch.separation_fraction > 0).any(axis=1)
     assert apart.any() and (branch.error_estimate[~apart] <= 1e-3).all()
     assert not branch.complete and "teeth part in hundreds of mesh cycles" in branch.ended and "&integration" in branch.ended

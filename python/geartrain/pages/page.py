@@ -16,7 +16,7 @@ from .._core.box import Box
 from .._core.extras import extra
 from ..errors import InputError, shown
 from .page_pack import Block
-from .page_results import quantities, shown_results
+from .page_results import ALONG, quantities, shown_results
 from .page_study import shown_study
 
 __all__ = ["Page", "page"]
@@ -132,6 +132,7 @@ def page(
         block = Block()
         told: dict[str, Any] = {"version": _version()}
         told["files"] = [shown_results(piece, name, block, every) for _, name, piece in pieces]
+        told["along"] = ALONG
         told["quantities"] = quantities(*(file["forceUnit"] for file in told["files"][:1]))
         over = [file["over"] or "frequency" for file in told["files"]]
         if compare is not None and len({*over}) > 1:

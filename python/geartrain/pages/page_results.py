@@ -28,7 +28,10 @@ from ..variables import ANALYSES
 from .page_force import force_laws, largest_difference
 from .page_pack import Block
 
-__all__ = ["quantities", "shown_results"]
+__all__ = ["ALONG", "quantities", "shown_results"]
+
+#: What quantities have a column for, in words for several. Couplings stand among the meshes.
+ALONG = {"mesh": "meshes", "shaft": "shafts", "held": "held bodies", "planet": "planets"}
 
 Array = NDArray[np.float64]
 
@@ -43,7 +46,7 @@ _FACTS = ("error_estimate", "estimate_doubtful", "correction", "harmonics", "sec
 
 
 def quantities(force: str = "N") -> dict[str, dict[str, str]]:
-    """What can be drawn over the speed: fields with a column for each mesh or for each shaft, what they are called, their unit.
+    """What can be drawn over the speed: fields with a column for each mesh, shaft, ...; what they are called, their unit.
 
     Parameters
     ----------
@@ -54,7 +57,7 @@ def quantities(force: str = "N") -> dict[str, dict[str, str]]:
     found = {
         name: {"along": dimensions[1], "unit": force if unit == "N" else unit, "words": caption(name)}
         for name, (dimensions, unit, _) in about.items()
-        if len(dimensions) == 2 and dimensions[1] in ("mesh", "shaft") and not is_slope(name)
+        if len(dimensions) == 2 and dimensions[1] in ALONG and not is_slope(name)
     }
     return {**found, "peak_to_peak": {**found["maximum"], "words": caption("peak_to_peak")}}
 
@@ -116,8 +119,7 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
         "length": train._outline["characteristic_length"],
         "lengthUnit": length_unit(train).strip(" []"),
         "forceUnit": force_unit(train),
-        "meshes": list(train.mesh_labels),
-        "shafts": list(train.shaft_labels),
+        "parts": _parts(train),
         "laws": laws,
         "forces": forces,
         "slowest": min((order.order for order in exciting_orders(train)), default=1),
@@ -129,6 +131,16 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
         "loci": [] if parts["locus"] is None else [_of_locus(parts["locus"], block)],
         "map": None if parts["stability_map"] is None else _of_map(parts["stability_map"], block),
         "runUp": None if parts["run_up"] is None else _of_run_up(parts["run_up"], block),
+    }
+
+
+def _parts(train: Description) -> dict[str, list[str]]:
+    """Names of what quantities have a column for."""
+    return {
+        "mesh": list(train.mesh_labels),
+        "shaft": list(train.shaft_labels),
+        "held": [body.name or f"body {number}" for number, body in enumerate(train.bodies, 1) if body.held],
+        "planet": list(train.planet_labels),
     }
 
 

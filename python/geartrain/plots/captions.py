@@ -26,6 +26,9 @@ CAPTIONS = {
     "shaft_torque_minimum": "smallest shaft torque",
     "shaft_torque_maximum": "largest shaft torque",
     "shaft_torque_mean": "mean shaft torque",
+    "reaction_torque_minimum": "smallest torque of the support",
+    "reaction_torque_maximum": "largest torque of the support",
+    "reaction_torque_mean": "mean torque of the support",
 }
 #: Displacements of meshes, over the characteristic length.
 LENGTHS = ("rms", "true_ac_rms", "peak_to_peak", "mean", "minimum", "maximum")

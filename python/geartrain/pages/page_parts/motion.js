@@ -95,7 +95,7 @@ function setMesh(mesh) {
 function pointPanels() {
   const [meshLabel, select] = choice(
     "phase plane of",
-    main.meshes.map((name, place) => [String(place), name]),
+    main.parts.mesh.map((name, place) => [String(place), name]),
     "0",
     (mesh) => {
       state.mesh = Number(mesh);
@@ -222,27 +222,25 @@ function drawFacts() {
     "tr",
     {},
     make("th", { scope: "col" }, ""),
-    ...file.meshes.map((name) => make("th", { scope: "col" }, name)),
+    ...file.parts.mesh.map((name) => make("th", { scope: "col" }, name)),
   );
   const body = names.map((name) =>
     make(
       "tr",
       {},
       make("th", { scope: "row" }, heading(name)),
-      ...file.meshes.map((_, mesh) => {
+      ...file.parts.mesh.map((_, mesh) => {
         const value = valueAt(series, name, point, mesh);
         return make("td", {}, Number.isFinite(value) ? show(value, 4) : "");
       }),
     ),
   );
-  const torques = ["shaft_torque_mean", "shaft_torque_minimum", "shaft_torque_maximum"].filter((name) => series.values[name]);
-  const shafts = torques.length ? file.shafts : [];
+  const others = Object.keys(file.parts).filter((along) => along !== "mesh");
+  const tables = others.map((along) => partTable(file, series, point, along)).filter((table) => table);
   byId("facts").replaceChildren(
     list,
     make("div", { class: "scroll" }, make("table", {}, make("thead", {}, head), make("tbody", {}, ...body))),
-    shafts.length
-      ? make("div", { class: "scroll" }, make("table", {}, ...torqueTable(series, point, torques, shafts)))
-      : "",
+    ...tables.map((table) => make("div", { class: "scroll" }, table)),
   );
 }
 
@@ -252,24 +250,22 @@ function duration(file, lambda, periods) {
   return seconds ? (seconds < 1 ? `${show(1e3 * seconds, 3)} ms` : `${show(seconds, 3)} s`) : `${show(periods, 3)} periods`;
 }
 
-/** The torques of the shafts of the chosen motion, a row for each shaft. */
-function torqueTable(series, point, names, shafts) {
-  const heading = (name) => name.replace("shaft_torque_", "").replace("minimum", "smallest").replace("maximum", "largest");
-  const head = make(
-    "tr",
-    {},
-    ...["shaft torque, N m", ...names.map(heading)].map((words) => make("th", { scope: "col" }, words)),
-  );
-  const rows = shafts.map((label, shaft) =>
+/** What the chosen motion has of all shafts, held bodies or planets, a row for each; null where that is nothing. */
+function partTable(file, series, point, along) {
+  const names = Object.keys(data.quantities).filter((name) => data.quantities[name].along === along && series.values[name]);
+  if (!names.length) return null;
+  const words = (name) => `${quantityWords(name)}${data.quantities[name].unit === "1" ? "" : `, ${data.quantities[name].unit}`}`;
+  const head = make("tr", {}, ...["", ...names.map(words)].map((text) => make("th", { scope: "col" }, text)));
+  const rows = file.parts[along].map((label, column) =>
     make(
       "tr",
       {},
       make("th", { scope: "row" }, label),
       ...names.map((name) => {
-        const value = valueAt(series, name, point, shaft);
+        const value = valueAt(series, name, point, column);
         return make("td", {}, Number.isFinite(value) ? show(value, 4) : "");
       }),
     ),
   );
-  return [make("thead", {}, head), make("tbody", {}, ...rows)];
+  return make("table", {}, make("thead", {}, head), make("tbody", {}, ...rows));
 }

@@ -74,7 +74,7 @@ function pictured() {
     lambda = series.lambda[point];
   const there = all && Number.isFinite(all[row * all.shape[1] * all.shape[2]]);
   const period = lengthOf(series, point),
-    columns = range(file.meshes.length);
+    columns = range(file.parts.mesh.length);
   const shownMeshes = data.quantities[state.quantity].along === "mesh" ? columnsShown(file) : columns;
   const highest = Math.max(1, ...series.orders) / period;
   // A few periods of the slowest excitation, where the period of the train has many, as with hunting teeth.
@@ -98,9 +98,9 @@ function histories({ series, row, file, lambda, there, highest, turns, meshes },
           mode: "lines",
           x: time,
           y: Array.from(waves[mesh][what]),
-          name: safe(file.meshes[mesh]),
+          name: safe(file.parts.mesh[mesh]),
           line: { color: COLORS[mesh % COLORS.length], width: 1.8, dash: DASHES[place % DASHES.length], simplify: false },
-          hovertemplate: `${safe(file.meshes[mesh])}<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
+          hovertemplate: `${safe(file.parts.mesh[mesh])}<br>%{x:.4g}: %{y:.5g}<extra></extra>`,
         }))
     : [];
   return [lines, timeTitle];
@@ -187,7 +187,7 @@ function drawSpectrum({ series, row, file, lambda, meshes, there, period, all })
           symbol: ["circle", "square", "triangle-up", "diamond"][place % 4],
         },
         text: told,
-        hovertemplate: `${safe(file.meshes[mesh])}<br>%{text}<br>%{y:.4g}<extra></extra>`,
+        hovertemplate: `${safe(file.parts.mesh[mesh])}<br>%{text}<br>%{y:.4g}<extra></extra>`,
       });
     });
   }
@@ -203,7 +203,7 @@ function drawSpectrum({ series, row, file, lambda, meshes, there, period, all })
 }
 
 function drawPlane({ series, row, file, there, period, highest, lambda }) {
-  const mesh = Math.min(state.mesh, file.meshes.length - 1);
+  const mesh = Math.min(state.mesh, file.parts.mesh.length - 1);
   const part = Math.min(1, MOST / (24 * highest * period));
   const phases = evenly(Math.max(600, Math.ceil(24 * highest * period * part)), 2 * Math.PI * period * part);
   const wave = there ? waveform(series, row, phases)[mesh] : null;

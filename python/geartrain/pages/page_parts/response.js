@@ -28,7 +28,7 @@ function responseView(panel) {
   function fillParts() {
     const along = data.quantities[state.quantity].along;
     parts.replaceChildren(
-      make("option", { value: "all" }, along === "mesh" ? "all meshes" : "all shafts"),
+      make("option", { value: "all" }, `all ${data.along[along]}`),
       ...partsOf(main).map((name, place) => make("option", { value: place }, name)),
     );
     parts.value = state.part;
@@ -311,7 +311,7 @@ function curvePanels(top) {
     { along, unit } = data.quantities[state.quantity],
     spans = columns.map((column) => spanOfColumn(column)),
     isShare = unit === "1" && !LENGTHS.has(state.quantity),
-    split = !isShare && areUnequal(spans, along === "shaft"),
+    split = !isShare && areUnequal(spans, along !== "mesh"),
     groups = split ? columns.map((column) => [column]) : [columns],
     fromZero = along === "mesh" && !POSITIONS.has(state.quantity);
   const panels = panelsBelow(groups.length, top).map((panel, place) => {
@@ -378,7 +378,7 @@ function rangeTraces(rows) {
           meta: { kind: "ranges" },
           opacity: what === "apart" ? 0.4 : 1,
           line: { color: COLORS[mesh % COLORS.length], width: 9 },
-          hovertemplate: `${safe(main.meshes[mesh])}: ${words}, to %{x:.6g}${acrossSuffix()}<extra></extra>`,
+          hovertemplate: `${safe(main.parts.mesh[mesh])}: ${words}, to %{x:.6g}${acrossSuffix()}<extra></extra>`,
         });
       }
     }
@@ -390,7 +390,7 @@ function drawCurves(plot, key) {
   const rows =
     !isOn("ranges") || !isOn("response")
       ? []
-      : range(main.meshes.length).filter((mesh) =>
+      : range(main.parts.mesh.length).filter((mesh) =>
           main.series.some((s) => s.kind === "response" && s.ranges.some((row) => row[0] === mesh)),
         );
   const top = 1 - Math.min(0.35, 0.035 * rows.length + (rows.length ? 0.02 : 0));

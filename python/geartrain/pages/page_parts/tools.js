@@ -144,7 +144,7 @@ function quantityTitle(name) {
   if (LENGTHS.has(name)) return `${words.replace(" (", "<br>(")}  ${lengthUnit(main)}`;
   return unit === "1" ? words.replace(", ", "<br>") : `${words}  [${unit}]`;
 }
-const partsOf = (file, name = state.quantity) => (data.quantities[name].along === "mesh" ? file.meshes : file.shafts);
+const partsOf = (file, name = state.quantity) => file.parts[data.quantities[name].along];
 const columnsShown = (file) => (state.part === "all" ? range(partsOf(file).length) : [Number(state.part)]);
 const valueAt = (series, name, point, column) => {
   const values = series.values[name];

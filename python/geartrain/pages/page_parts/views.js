@@ -256,13 +256,13 @@ function runUpView(panel) {
     },
   );
   panel.append(
-    make("div", { class: "controls" }, unitChoice("run-up"), main.shafts.length ? what : null),
+    make("div", { class: "controls" }, unitChoice("run-up"), main.parts.shaft.length ? what : null),
     plot,
     make("p", { class: "note" }, `Smallest to largest value in each cycle of the slowest mesh. ${main.runUp.ended}.`),
   );
   function draw() {
     const { low, high } = main.runUp[along],
-      [names, unit, title] = { mesh: [main.meshes, main.forceUnit, "mesh force"], shaft: [main.shafts, "N m", "shaft torque"] }[along],
+      [names, unit, title] = { mesh: [main.parts.mesh, main.forceUnit, "mesh force"], shaft: [main.parts.shaft, "N m", "shaft torque"] }[along],
       width = low.shape[1],
       x = Array.from(main.runUp.lambda, (l) => l * per(main));
     const column = (values, part) => x.map((_, i) => values[i * width + part]),
@@ -314,7 +314,7 @@ function trainView(panel) {
         make("img", {
           class: "schematic",
           src: source,
-          alt: `The train: meshes ${file.meshes.join(", ")}; shafts ${file.shafts.join(", ") || "none"}.`,
+          alt: `The train: meshes ${file.parts.mesh.join(", ")}; shafts ${file.parts.shaft.join(", ") || "none"}.`,
         }),
       ),
     );
