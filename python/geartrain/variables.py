@@ -135,10 +135,20 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "back_phase": Variable("back_phase", "real", "float", 0.0, False, "Lag of kappa of the back flanks behind kappa of the drive flanks, in the mesh cycle; [rad]"),
         "contact_ratio": Variable("contact_ratio", "real", "float", None, False, "Gives kappa as the rectangular wave of the number of tooth pairs in contact, in place of stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the beginning of the cycle if the integer part of the ratio is odd, else at half the cycle; > 1 and <= 10"),
         "stiffness_harmonics": Variable("stiffness_harmonics", "integer", "int", 5, False, "Number of harmonics taken of the rectangular wave; >= 1 and <= 1000"),
-        "phase": Variable("phase", "real", "float", 0.0, False, "Lag of kappa and of the transmission error, in the mesh cycle; [rad]"),
+        "phase": Variable("phase", "real", "float", 0.0, False, "Lag of kappa and of all errors, in the mesh cycle; [rad]"),
         "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; its sign and phase against the stiffness matter; [m]"),
         "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
         "error_mean": Variable("error_mean", "real", "float", 0.0, False, "Constant part of the transmission error, of placement and tooth thickness; positive: towards contact of the drive flanks. It matters in loops of gears alone, as between planets; [m]"),
+        "driving_pitch_error": Variable("driving_pitch_error", "reals", "Series", None, False, "Cumulative pitch errors of the driving gear, one a tooth in the order in which the teeth engage, along the line of action, joined by a trigonometric polynomial; positive: towards the mate. Every mesh must have teeth; [m]; >= -1 and <= 1"),
+        "driving_runout": Variable("driving_runout", "real", "float", 0.0, False, "Amplitude of the error by eccentricity of the driving gear, along the line of action, once a revolution; [m]; >= 0 and <= 1"),
+        "driving_runout_phase": Variable("driving_runout_phase", "real", "float", 0.0, False, "Angle of the driving gear at which its runout is largest, from the beginning of the first mesh cycle; [rad]"),
+        "driving_error_cos": Variable("driving_error_cos", "reals", "Series", None, False, "Cosine amplitudes of the error of the driving gear, orders 1, 2, ... of its revolution, on a carrier against it; they add to pitch errors and runout; [m]; >= -1 and <= 1"),
+        "driving_error_sin": Variable("driving_error_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [m]; >= -1 and <= 1"),
+        "driven_pitch_error": Variable("driven_pitch_error", "reals", "Series", None, False, "Cumulative pitch errors of the driven gear, one a tooth in the order in which the teeth engage, along the line of action, joined by a trigonometric polynomial; positive: towards the mate. Every mesh must have teeth; [m]; >= -1 and <= 1"),
+        "driven_runout": Variable("driven_runout", "real", "float", 0.0, False, "Amplitude of the error by eccentricity of the driven gear, along the line of action, once a revolution; [m]; >= 0 and <= 1"),
+        "driven_runout_phase": Variable("driven_runout_phase", "real", "float", 0.0, False, "Angle of the driven gear at which its runout is largest, from the beginning of the first mesh cycle; [rad]"),
+        "driven_error_cos": Variable("driven_error_cos", "reals", "Series", None, False, "Cosine amplitudes of the error of the driven gear, orders 1, 2, ... of its revolution, on a carrier against it; they add to pitch errors and runout; [m]; >= -1 and <= 1"),
+        "driven_error_sin": Variable("driven_error_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [m]; >= -1 and <= 1"),
         "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh has them, else 1; >= 1 and <= 1.0e6, or 0"),
     },
     "coupling": {
@@ -389,6 +399,16 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     error_cos: Series | None = None
     error_sin: Series | None = None
     error_mean: float | None = None
+    driving_pitch_error: Series | None = None
+    driving_runout: float | None = None
+    driving_runout_phase: float | None = None
+    driving_error_cos: Series | None = None
+    driving_error_sin: Series | None = None
+    driven_pitch_error: Series | None = None
+    driven_runout: float | None = None
+    driven_runout_phase: float | None = None
+    driven_error_cos: Series | None = None
+    driven_error_sin: Series | None = None
     order: int | None = None
 
 

@@ -1,9 +1,9 @@
 !> Periodic functions as pairs of a harmonic and its complex amplitude.
 module geartrain_base_series
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    implicit none (type, external)
    private
-   public :: series_type, make_series, wave_value
+   public :: series_type, add_series, delay, make_series, table_harmonics, wave_value
 
    !> Sum over i of Re(amplitude(i) exp(i harmonic(i) Lambda t)).
    type :: series_type
@@ -39,6 +39,90 @@ contains
       series%amplitude = factor*amplitude(:h)
       series%harmonic = [(order*h, h=1, size(series%amplitude))]
    end function make_series
+
+   !> Adds a series to another one.
+   pure subroutine add_series(added, series)
+      !> What is added.
+      type(series_type), intent(in) :: added
+      !> The sum.
+      type(series_type), intent(inout) :: series
+      integer :: harmonic(size(series%harmonic) + size(added%harmonic)), i, j, n
+      complex(dp) :: amplitude(size(harmonic))
+
+      if (size(added%harmonic) == 0) return
+      harmonic(:size(series%harmonic)) = series%harmonic
+      amplitude(:size(series%harmonic)) = series%amplitude
+      n = size(series%harmonic)
+      do i = 1, size(added%harmonic)
+         j = findloc(harmonic(:n), added%harmonic(i), 1)
+         if (j > 0) then
+            amplitude(j) = amplitude(j) + added%amplitude(i)
+            cycle
+         end if
+         n = n + 1
+         do j = n, 2, -1
+            if (harmonic(j - 1) < added%harmonic(i)) exit
+            harmonic(j) = harmonic(j - 1)
+            amplitude(j) = amplitude(j - 1)
+         end do
+         harmonic(j) = added%harmonic(i)
+         amplitude(j) = added%amplitude(i)
+      end do
+      series%harmonic = harmonic(:n)
+      series%amplitude = amplitude(:n)
+   end subroutine add_series
+
+   !> Trigonometric polynomial of least degree through equidistant values of a period, the first at its beginning.
+   pure subroutine table_harmonics(table, mean, cosine, sine)
+      !> Values in any unit, one or more, (value).
+      real(dp), intent(in) :: table(:)
+      !> Mean value.
+      real(dp), intent(out) :: mean
+      !> Amplitudes of the harmonics 1, 2, ...; 0 for those that are rounding, (harmonic).
+      real(dp), allocatable, intent(out) :: cosine(:), sine(:)
+      real(dp) :: circle(0:size(table) - 1, 2), share, least
+      integer :: h, j, k, n
+
+      n = size(table)
+      mean = sum(table)/n
+      circle(:, 1) = [(cos(2*pi*j/n), j=0, n - 1)]
+      circle(:, 2) = [(sin(2*pi*j/n), j=0, n - 1)]
+      allocate (cosine(n/2), sine(n/2), source=0.0_dp)
+      do h = 1, n/2
+         k = 0
+         do j = 1, n
+            cosine(h) = cosine(h) + table(j)*circle(k, 1)
+            sine(h) = sine(h) + table(j)*circle(k, 2)
+            k = modulo(k + h, n)
+         end do
+         ! The highest harmonic of an even number of values is a cosine.
+         share = merge(1.0_dp, 2.0_dp, 2*h == n)/n
+         cosine(h) = share*cosine(h)
+         sine(h) = merge(0.0_dp, share*sine(h), 2*h == n)
+      end do
+      least = 4*epsilon(1.0_dp)*maxval(abs(table))
+      where (abs(cosine) <= least) cosine = 0
+      where (abs(sine) <= least) sine = 0
+   end subroutine table_harmonics
+
+   !> Delays a function by `phase`, given by its harmonics; either list may be absent or shorter than the other.
+   pure subroutine delay(phase, cosine, sine)
+      !> The delay [rad of the first harmonic].
+      real(dp), intent(in) :: phase
+      !> Amplitudes of the cosines and of the sines, (harmonic).
+      real(dp), allocatable, intent(inout) :: cosine(:), sine(:)
+      real(dp), allocatable :: a(:), b(:)
+      integer :: h, n
+
+      n = 0
+      if (allocated(cosine)) n = size(cosine)
+      if (allocated(sine)) n = max(n, size(sine))
+      allocate (a(n), b(n), source=0.0_dp)
+      if (allocated(cosine)) a(:size(cosine)) = cosine
+      if (allocated(sine)) b(:size(sine)) = sine
+      cosine = [(a(h)*cos(h*phase) - b(h)*sin(h*phase), h=1, n)]
+      sine = [(a(h)*sin(h*phase) + b(h)*cos(h*phase), h=1, n)]
+   end subroutine delay
 
    !> Sum over i of Re(amplitude(i) exp(i harmonic(i) phase)).
    pure real(dp) function wave_value(harmonic, amplitude, phase)

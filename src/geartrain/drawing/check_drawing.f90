@@ -6,6 +6,7 @@ module geartrain_drawing_check_drawing
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, pair_of
    use geartrain_drawing_gear_pair, only: find_geometry, pair_geometry_type
    use geartrain_train_body, only: body_type
+   use geartrain_train_gear_error, only: first_variable, gear_words, has_gear_error
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, most_order
    use geartrain_train_shaft, only: shaft_type
@@ -97,6 +98,7 @@ contains
          return
       end if
       call check_ratio()
+      call check_errors()
       if (mesh%backlash > 0 .and. mesh%half_backlash > 0) call checker%complain('backlash', real_text(mesh%backlash), &
          'contradicts half_backlash, along the line of action: leave out one of the two')
       if (.not. has_geometry(mesh)) then
@@ -218,6 +220,22 @@ contains
          end if
       end subroutine check_ratio
 
+      !> Every tooth has a pitch error, or none has.
+      subroutine check_errors()
+         integer :: gear
+
+         if (.not. is_given(mesh%teeth)) return
+         if (size(mesh%teeth) /= 2) return
+         do gear = 1, 2
+            associate (error => mesh%gear_error(gear), teeth => nint(mesh%teeth(gear)))
+               if (.not. is_given(error%pitch)) cycle
+               if (size(error%pitch) == teeth) cycle
+               call checker%complain(trim(gear_words(gear))//'_pitch_error', integer_text(size(error%pitch))//' values', &
+                                     'must have a value for each of the '//integer_text(teeth)//' teeth')
+            end associate
+         end do
+      end subroutine check_errors
+
       !> Values that belong to a gear pair with teeth and module have these.
       subroutine check_alone()
          logical :: used
@@ -239,7 +257,7 @@ contains
       class(checker_type), intent(inout) :: checker
       type(kinematics_type) :: found
       logical :: toothed, unknown
-      integer :: i
+      integer :: i, gear
 
       toothed = all_toothed(train)
       if (toothed) then
@@ -267,6 +285,17 @@ contains
             call checker%leave()
          end do
       end if
+      do i = 1, size(train%meshes)
+         if (toothed .or. unknown .or. train%speed_ratio > 0) cycle
+         call checker%enter('mesh', i)
+         do gear = 1, 2
+            associate (error => train%meshes(i)%gear_error(gear))
+               if (has_gear_error(error)) call checker%complain(trim(first_variable(error, gear)), '...', 'must be left out unless &
+                  &every mesh has teeth, which tell how often the gear turns')
+            end associate
+         end do
+         call checker%leave()
+      end do
       if (.not. toothed) return
       if (.not. found%known) then
          if (checker%problems%in_group('body') .or. checker%problems%in_group('train') .or. &

@@ -10,6 +10,7 @@ module geartrain_drawing_drawing
       pair_stiffness_type, rectangular_wave
    use geartrain_train_bodies, only: find_ends
    use geartrain_train_body, only: body_type
+   use geartrain_train_gear_error, only: make_plain
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: has_table, is_given, mesh_type, plain_coupling, plain_mesh
    use geartrain_train_shaft, only: shaft_type
@@ -74,11 +75,18 @@ contains
       type(train_type), intent(in) :: train
       type(train_type), intent(inout) :: plain
       type(kinematics_type) :: found
+      integer :: i, gear
 
       if (all_toothed(train)) then
          call find_kinematics(train, found)
          if (found%known) then
             where (train%meshes%order == 0) plain%meshes%order = found%order
+            do i = 1, size(train%meshes)
+               if (train%meshes(i)%is_coupling) cycle
+               do gear = 1, 2
+                  plain%meshes(i)%gear_error(gear)%order = max(1, found%order(i)/nint(train%meshes(i)%teeth(gear)))
+               end do
+            end do
             if (allocated(plain%bodies)) plain%bodies%revolution_order = max(1, found%revolution_order)
             plain%speed_ratio = found%speed_ratio
             if (.not. abs(train%characteristic_frequency) > 0) &
@@ -102,6 +110,7 @@ contains
       type(gear_pair_type) :: pair
       type(pair_geometry_type) :: geometry
       type(pair_stiffness_type) :: stiffness
+      real(dp) :: mean
       integer :: h
 
       derived = plain
@@ -123,7 +132,15 @@ contains
             derived%contact_ratio = 0
          end if
       end if
-      if (allocated(derived%teeth)) deallocate (derived%teeth)
+      if (allocated(derived%teeth)) then
+         if (size(derived%teeth) == 2) then
+            do h = 1, 2
+               call make_plain(derived%gear_error(h), max(1, nint(derived%teeth(h))), derived%phase, mean)
+               derived%error_mean = derived%error_mean + mean
+            end do
+         end if
+         deallocate (derived%teeth)
+      end if
       derived%backlash = 0
       call plain_mesh(derived, plain)
    end subroutine put_pair

@@ -35,19 +35,24 @@ contains
       reach = maxval([1, (lowest_harmonic(system%torque(j)), j=1, size(system%torque))])
       do j = 1, system%meshes
          reach = max(reach, lowest_harmonic(system%law(j)%variation()), lowest_harmonic(system%transmission_error(j)))
+         ! Errors of the gears may have lower harmonics than the error of the mesh.
+         reach = max(reach, lowest_harmonic(system%transmission_error(j), nint(system%law(j)%order)))
       end do
    end function reach_of_sources
 
-   !> Lowest harmonic of Lambda in a series; 0 for an empty series.
-   pure integer function lowest_harmonic(series) result(lowest)
+   !> Lowest harmonic of Lambda in a series; 0 where there is none.
+   pure integer function lowest_harmonic(series, order) result(lowest)
       !> A source of excitation, in any unit.
       type(series_type), intent(in) :: series
+      !> Only multiples of this order count; absent: all.
+      integer, intent(in), optional :: order
+      integer :: h, divisor
 
-      integer :: h
-
+      divisor = 1
+      if (present(order)) divisor = order
       lowest = 0
       do h = size(series%harmonic), 1, -1
-         if (abs(series%amplitude(h)) > 0) lowest = series%harmonic(h)
+         if (abs(series%amplitude(h)) > 0 .and. mod(series%harmonic(h), divisor) == 0) lowest = series%harmonic(h)
       end do
    end function lowest_harmonic
 

@@ -4,13 +4,14 @@ module geartrain_network_limits
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
-   use geartrain_base_series, only: series_type
+   use geartrain_base_series, only: make_series, series_type
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_network_excitation, only: lowest_harmonic
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_mesh_law_characteristic, only: characteristic_type, find_characteristic
    use geartrain_network_elements, only: vibrating
+   use geartrain_train_gear_error, only: gear_words
    use geartrain_train_mesh_groups, only: enter_mesh, mesh_word
    use geartrain_train_nearby_orders, only: most_cycles
    use geartrain_network_network, only: build_network, network_type, stiffening
@@ -115,7 +116,7 @@ contains
       class(checker_type), intent(inout) :: checker
       type(train_type) :: train
       type(system_type) :: system
-      integer :: j
+      integer :: gear, j
 
       call plain_train(given, train)
       if (.not. in_order(train, checker)) return
@@ -130,7 +131,16 @@ contains
       end do
       do j = 1, system%meshes
          call check_source(system%law(j)%variation(), 'the variation of the stiffness of &mesh '//integer_text(j))
-         call check_source(system%transmission_error(j), 'the transmission error of &mesh '//integer_text(j))
+         associate (mesh => train%meshes(j))
+            call check_source(make_series(mesh%error_cos, mesh%error_sin, 1.0_dp, mesh%order), &
+                              'the transmission error of &mesh '//integer_text(j))
+            do gear = 1, 2
+               associate (error => mesh%gear_error(gear))
+                  call check_source(make_series(error%cosine, error%sine, 1.0_dp, error%order), 'the error of the '// &
+                                    trim(gear_words(gear))//' gear of &mesh '//integer_text(j))
+               end associate
+            end do
+         end associate
       end do
 
    contains

@@ -9,6 +9,7 @@ module geartrain_network_parameter
    use geartrain_base_series, only: make_series, series_type
    use geartrain_network_modal_damping, only: damps_by_modes
    use geartrain_network_parameter_table, only: entry_type, parameter_type, table_type
+   use geartrain_train_gear_error, only: has_gear_error
    use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -20,9 +21,14 @@ module geartrain_network_parameter
       'prime_mover_inertia', 'load_inertia', 'inertia', 'torque', 'damping_to_ground', 'stiffness', 'damping_ratio', 'damping', &
       'driving_radius', 'driven_radius', 'driving_inertia', 'driven_inertia', 'half_backlash', 'half_play', 'angle', &
       'back_stiffness', 'back_phase', &
-      'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'error_mean', 'revolution_torque_cos', 'revolution_torque_sin']
+      'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'error_mean', 'revolution_torque_cos', 'revolution_torque_sin', &
+      'driving_error_cos', 'driving_error_sin', 'driven_error_cos', 'driven_error_sin']
    !> Those among them that `phase` turns.
-   character(*), parameter :: turned_variables(*) = [character(24) :: 'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin']
+   character(*), parameter :: turned_variables(*) = [character(24) :: 'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', &
+      'driving_error_cos', 'driving_error_sin', 'driven_error_cos', 'driven_error_sin']
+   !> Those among them that errors of the teeth add to.
+   character(*), parameter :: summed_variables(*) = [character(24) :: 'error_mean', 'driving_error_cos', 'driving_error_sin', &
+      'driven_error_cos', 'driven_error_sin']
    !> Those among them that the damping depends on where it follows from the modes.
    character(*), parameter :: modal_variables(*) = [character(24) :: 'input_torque', 'prime_mover_inertia', 'load_inertia', &
       'inertia', 'torque', 'damping_to_ground', 'stiffness', 'damping_ratio', 'damping', 'driving_radius', 'driven_radius', &
@@ -149,6 +155,10 @@ contains
       ! A face width may mean a stiffness that depends on the loads.
       if (any(train%meshes%face_width > 0)) parameter%direct = .false.
       if (any(turned_variables == parameter%variable) .and. any(abs(train%meshes%phase) > 0)) parameter%direct = .false.
+      if (any(summed_variables == parameter%variable)) then
+         if (any(has_gear_error(train%meshes%gear_error(1)) .or. has_gear_error(train%meshes%gear_error(2)))) &
+            parameter%direct = .false.
+      end if
       ! Damping that follows from the modes changes with every number that they follow from.
       if (damps_by_modes(train) .and. any(modal_variables == parameter%variable)) parameter%direct = .false.
       parameter%direct = parameter%direct .or. parameter%derived

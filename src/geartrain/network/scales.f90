@@ -6,6 +6,7 @@ module geartrain_network_scales
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_network_limits, only: in_order, own_frequency
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_train_gear_error, only: gear_words
    use geartrain_train_mesh_groups, only: enter_mesh, group_name, group_number, mesh_word
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -37,7 +38,7 @@ contains
       !> Logarithms of the reduced radius and of the force by the mean torque at this radius, (body); of the displacement of each
       !> mesh per force, (mesh) [decades].
       real(dp) :: radius(body_count(train)), force(body_count(train)), compliance(size(train%meshes))
-      integer :: b, j, before, strongest
+      integer :: b, gear, j, before, strongest
 
       if (.not. in_order(train, checker)) return
       own = own_frequency(train)
@@ -56,6 +57,12 @@ contains
             call check_torque(j, force(strongest) + compliance(j))
             call check_list('mesh', j, 'error_cos', mesh%error_cos, 0.0_dp, 'it')
             call check_list('mesh', j, 'error_sin', mesh%error_sin, 0.0_dp, 'it')
+            do gear = 1, 2
+               associate (error => mesh%gear_error(gear))
+                  call check_list('mesh', j, trim(gear_words(gear))//'_error_cos', error%cosine, 0.0_dp, 'it')
+                  call check_list('mesh', j, trim(gear_words(gear))//'_error_sin', error%sine, 0.0_dp, 'it')
+               end associate
+            end do
             call check_length('mesh', j, 'error_mean', mesh%error_mean, decades(mesh%error_mean), 'it')
             call check_length(trim(group_name(train%meshes, j)), group_number(train%meshes, j), gap_name(mesh%is_coupling), &
                               mesh%half_backlash, decades(mesh%half_backlash), 'it')

@@ -9,7 +9,7 @@ module geartrain_network_system
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_interrupt, only: interrupt_type
    use geartrain_base_kinds, only: dp
-   use geartrain_base_series, only: make_series, series_type
+   use geartrain_base_series, only: add_series, make_series, series_type
    use geartrain_mesh_law_law, only: law_type
    use geartrain_network_cut, only: cut_network, cut_type
    use geartrain_train_kinematics, only: find_kinematics, greatest_divisor, kinematics_type
@@ -296,6 +296,11 @@ contains
             associate (mesh => train%meshes(j))
                call put_law(mesh, bc, system%law(j))
                system%transmission_error(j) = make_series(mesh%error_cos, mesh%error_sin, 1/bc, mesh%order)
+               do n = 1, 2
+                  associate (gear => mesh%gear_error(n))
+                     call add_series(make_series(gear%cosine, gear%sine, 1/bc, gear%order), system%transmission_error(j))
+                  end associate
+               end do
             end associate
          end do
       end associate

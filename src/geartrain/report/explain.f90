@@ -8,16 +8,17 @@ module geartrain_report_explain
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: counted, integer_text, ordinal, short => text
    use geartrain_drawing_drawing, only: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
-   use geartrain_drawing_error_phase, only: lacks_phase
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, pair_geometry_type, pair_stiffness_type
    use geartrain_network_frequency_unit, only: speed_per_lambda
    use geartrain_network_light_loads, only: reduce_light_loads
    use geartrain_network_system, only: build_system, system_type
    use geartrain_report_drawing_warnings, only: find_warnings
    use geartrain_report_explain_coupling, only: explain_coupling
+   use geartrain_report_explain_errors, only: explain_errors
    use geartrain_report_explain_damping, only: damping_explanation_type
    use geartrain_report_explain_planetary, only: explain_set
    use geartrain_train_bodies, only: find_ends
+   use geartrain_train_gear_error, only: has_gear_error
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, greatest_divisor, kinematics_type
    use geartrain_train_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_train_mesh, only: has_table, is_given, mesh_type
@@ -313,15 +314,7 @@ contains
             call carry(fields, field_type('stiffness_cos', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_cos)
          if (is_given(plain%stiffness_sin)) &
             call carry(fields, field_type('stiffness_sin', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_sin)
-         words = as_given
-         if (lacks_phase(mesh, plain)) words = 'as given; its phase against the stiffness is open: with another sign or with &
-            &error_sin forces and loss of contact differ'
-         if (is_given(plain%error_cos)) call carry(fields, field_type('error_cos', 'error_harmonic', 'm', words), &
-                                                   context%plain%meshes(i)%error_cos)
-         if (is_given(plain%error_sin)) call carry(fields, field_type('error_sin', 'error_harmonic', 'm', words), &
-                                                   context%plain%meshes(i)%error_sin)
-         if (abs(mesh%error_mean) > 0) call carry(fields, field_type('error_mean', '', 'm', 'as given; the mean forces of loops &
-            &follow from it'), context%plain%meshes(i)%error_mean)
+         call explain_errors(mesh, context%plain%meshes(i), fields)
          words = source(mesh%half_backlash, 'half of backlash cos(alpha_wt): along the line of action in the transverse plane; &
             &backlash is along the working pitch circles')
          if (.not. mesh%backlash > 0 .and. g%distance_backlash > 0) words = words//', by the centre distance'
@@ -337,8 +330,13 @@ contains
             &with an amplitude of its stiffness or transmission error'), orders)
          if (context%toothed) then
             call tell_teeth(nint(mesh%teeth), words)
-            call carry_text(fields, field_type('tooth_ratio', '', '', 'the model has identical teeth: the motion repeats with the &
-               &fundamental, before the same teeth meet again'), words)
+            if (has_gear_error(plain%gear_error(1)) .or. has_gear_error(plain%gear_error(2))) then
+               call carry_text(fields, field_type('tooth_ratio', '', '', 'the teeth have errors: the motion repeats with the &
+                  &fundamental'), words)
+            else
+               call carry_text(fields, field_type('tooth_ratio', '', '', 'the model has identical teeth: the motion repeats with &
+                  &the fundamental, before the same teeth meet again'), words)
+            end if
          end if
          words = 'static, from the mean torques of the bodies'
          if (force < 0) words = words//'; negative: the second body drives the first, and the back flanks bear the load'

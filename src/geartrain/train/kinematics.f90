@@ -1,14 +1,15 @@
 !> Speeds of the bodies of a train whose meshes all have teeth, as ratios of whole numbers, and the orders of the fundamental that
 !> follow.
 !>
-!> The fundamental is the greatest common divisor of all mesh frequencies and of the speeds of bodies with a torque of their own
-!> revolution: the frequency at which all repeats.
+!> The fundamental is the greatest common divisor of all mesh frequencies, of the speeds of bodies with a torque of their own
+!> revolution and of those of gears with errors: the frequency at which all repeats.
 module geartrain_train_kinematics
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
    use geartrain_train_nearby_orders, only: find_nearby_orders
    use geartrain_train_bodies, only: body_count, find_carriers, find_ends
-   use geartrain_train_mesh, only: is_given
+   use geartrain_train_gear_error, only: has_gear_error
+   use geartrain_train_mesh, only: is_given, mesh_type
    use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
    use geartrain_train_train, only: train_type
    use geartrain_train_turning, only: find_turning, turning_type
@@ -109,6 +110,9 @@ contains
       common = 1
       do i = 1, size(engaging, 2)
          call include(engaging(:, i), divisor, common)
+         do j = 1, 2
+            if (has_gear_error(train%meshes(i)%gear_error(j))) call include(revolution(i, j), divisor, common)
+         end do
       end do
       do i = 1, size(signed, 2)
          if (turns(train, i)) call include(revolving(:, i), divisor, common)
@@ -128,9 +132,18 @@ contains
       found%fundamental = [divisor, common]
       found%speed_ratio = real(common, dp)/real(divisor, dp)
       found%known = .true.
-      call go_nearby(found)
+      call go_nearby(found, [(cycles_of_errors(train%meshes(i)), i=1, size(train%meshes))])
 
    contains
+
+      !> Revolution of a gear of a mesh, on a carrier against it.
+      pure function revolution(mesh, gear) result(frequency)
+         integer, intent(in) :: mesh, gear
+         integer(int64) :: frequency(2)
+
+         frequency = [engaging(1, mesh), engaging(2, mesh)*nint(train%meshes(mesh)%teeth(gear), int64)]
+         frequency = frequency/greatest_divisor(frequency(1), frequency(2))
+      end function revolution
 
       pure integer(int64) function multiple(frequency)
          integer(int64), intent(in) :: frequency(2)
@@ -151,19 +164,36 @@ contains
 
    end subroutine find_kinematics
 
+   !> Mesh cycles in which the gears with errors make whole revolutions.
+   pure integer function cycles_of_errors(mesh) result(cycles)
+      type(mesh_type), intent(in) :: mesh
+      integer :: gear
+
+      cycles = 1
+      do gear = 1, 2
+         if (.not. has_gear_error(mesh%gear_error(gear))) cycle
+         associate (teeth => nint(mesh%teeth(gear)))
+            cycles = cycles*(teeth/int(greatest_divisor(int(cycles, int64), int(teeth, int64))))
+         end associate
+      end do
+   end function cycles_of_errors
+
    !> Takes nearby orders where those of the teeth are too high.
-   pure subroutine go_nearby(found)
+   pure subroutine go_nearby(found, multiple)
       type(kinematics_type), intent(inout) :: found
+      !> Of which number the order of each mesh must be a multiple, (mesh).
+      integer, intent(in) :: multiple(:)
       integer, allocatable :: order(:), nearby(:)
       logical :: engages(size(found%order)), revolves(size(found%revolution_order))
       real(dp) :: scale
+      integer :: i
 
       ! Couplings, and bodies without a torque of their revolution, have no order.
       engages = found%order > 0
       revolves = found%revolution_order > 0
       order = [pack(found%order, engages), pack(found%revolution_order, revolves)]
       allocate (nearby(size(order)))
-      call find_nearby_orders(order, nearby, scale, found%order_error)
+      call find_nearby_orders(order, nearby, scale, found%order_error, [pack(multiple, engages), [(1, i=1, count(revolves))]])
       if (.not. found%order_error > 0) return
       found%exact_order = found%order
       found%order = unpack(nearby(:count(engages)), engages, 0)

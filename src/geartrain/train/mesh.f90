@@ -1,11 +1,12 @@
 !> A gear pair in SI units; or a coupling, which is a gear pair of equal radii for all that computes.
 module geartrain_train_mesh
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_series, only: make_series, series_type
+   use geartrain_base_series, only: delay, make_series, series_type, table_harmonics
    use geartrain_base_variable, only: largest
    use geartrain_mesh_law_law, only: law_type
    use geartrain_mesh_law_characteristic, only: characteristic_type, find_characteristic
    use geartrain_train_body, only: name_length
+   use geartrain_train_gear_error, only: gear_error_type
    implicit none (type, external)
    private
    public :: mesh_type, coupling_radius, has_table, is_given, most_order, new_coupling, plain_coupling, plain_mesh, put_law, &
@@ -59,6 +60,8 @@ module geartrain_train_mesh
       real(dp), allocatable :: error_cos(:), error_sin(:)
       !> Constant part of the transmission error [m], by placement of axes and thickness of teeth.
       real(dp) :: error_mean = 0
+      !> Errors of the driving and of the driven gear, once a revolution.
+      type(gear_error_type) :: gear_error(2)
       !> Mesh frequency as a multiple of the fundamental, m_n [1]; 0: by the teeth where every mesh has them, else 1.
       integer :: order = 0
       !> From the drawing, see geartrain_drawing_gear_pair: numbers of teeth, (2); normal module [m]; normal pressure angle and
@@ -228,37 +231,10 @@ contains
    pure subroutine transform(table, mesh)
       real(dp), intent(in) :: table(:)
       type(mesh_type), intent(inout) :: mesh
-      real(dp) :: share
-      integer :: h, j, n
 
-      n = size(table)
-      mesh%stiffness = sum(table)/n
-      mesh%stiffness_cos = [(0.0_dp, h=1, n/2)]
-      mesh%stiffness_sin = mesh%stiffness_cos
-      do h = 1, n/2
-         ! The highest harmonic of an even number of values is a cosine.
-         share = merge(1.0_dp, 2.0_dp, 2*h == n)/(n*mesh%stiffness)
-         mesh%stiffness_cos(h) = share*sum([(table(j)*cos(2*pi*h*(j - 1)/n), j=1, n)])
-         mesh%stiffness_sin(h) = share*sum([(table(j)*sin(2*pi*h*(j - 1)/n), j=1, n)])
-         if (2*h == n) mesh%stiffness_sin(h) = 0
-      end do
+      call table_harmonics(table, mesh%stiffness, mesh%stiffness_cos, mesh%stiffness_sin)
+      mesh%stiffness_cos = mesh%stiffness_cos/mesh%stiffness
+      mesh%stiffness_sin = mesh%stiffness_sin/mesh%stiffness
    end subroutine transform
-
-   !> Delays a function of theta by `phase`, given by its harmonics; either list may be absent or shorter than the other.
-   pure subroutine delay(phase, cosine, sine)
-      real(dp), intent(in) :: phase
-      real(dp), allocatable, intent(inout) :: cosine(:), sine(:)
-      real(dp), allocatable :: a(:), b(:)
-      integer :: h, n
-
-      n = 0
-      if (allocated(cosine)) n = size(cosine)
-      if (allocated(sine)) n = max(n, size(sine))
-      allocate (a(n), b(n), source=0.0_dp)
-      if (allocated(cosine)) a(:size(cosine)) = cosine
-      if (allocated(sine)) b(:size(sine)) = sine
-      cosine = [(a(h)*cos(h*phase) - b(h)*sin(h*phase), h=1, n)]
-      sine = [(a(h)*sin(h*phase) + b(h)*cos(h*phase), h=1, n)]
-   end subroutine delay
 
 end module geartrain_train_mesh

@@ -22,7 +22,7 @@ module geartrain_train_nearby_orders
 contains
 
    !> Finds the orders of fewest cycles with the wanted error or, where there are none, of the smallest error.
-   pure subroutine find_nearby_orders(order, nearby, scale, error)
+   pure subroutine find_nearby_orders(order, nearby, scale, error, multiple)
       !> Orders of the fundamental, > 0.
       integer, intent(in) :: order(:)
       !> Nearby orders; those given where there are none.
@@ -31,16 +31,20 @@ contains
       real(dp), intent(out) :: scale
       !> Largest relative error of a frequency [1].
       real(dp), intent(out) :: error
-      integer :: rounded(size(order)), cycles
+      !> Numbers of which the orders must be multiples; absent: 1.
+      integer, intent(in), optional :: multiple(:)
+      integer :: rounded(size(order)), unit(size(order)), cycles
       real(dp) :: ratio(size(order)), off
 
       nearby = order
       scale = 1
       error = 0
+      unit = 1
+      if (present(multiple)) unit = multiple
       if (.not. maxval(order) > most_cycles) return
       error = allowed
       do cycles = fewest, most_cycles
-         rounded = nint(order*(real(cycles, dp)/maxval(order)))
+         rounded = max(1, nint(order*(real(cycles, dp)/maxval(order))/unit))*unit
          ratio = real(rounded, dp)/order
          off = (maxval(ratio) - minval(ratio))/(maxval(ratio) + minval(ratio))
          if (.not. off < error) cycle

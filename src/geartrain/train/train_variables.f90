@@ -5,6 +5,7 @@ module geartrain_train_train_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_train_coupling_variables, only: visit_coupling
+   use geartrain_train_gear_error, only: visit_gear_error
    use geartrain_train_body, only: body_type
    use geartrain_train_mesh, only: mesh_type, most_order
    use geartrain_train_planetary_variables, only: visit_planetary
@@ -240,13 +241,15 @@ contains
                          most=10*one), mesh%contact_ratio, rectangular)
       call v%on_integer(row('stiffness_harmonics', '', 'number of harmonics taken of the rectangular wave', least=one, &
                             most=1000*one), mesh%stiffness_harmonics)
-      call v%on_real(row('phase', 'rad', 'lag of kappa and of the transmission error, in the mesh cycle'), mesh%phase)
+      call v%on_real(row('phase', 'rad', 'lag of kappa and of all errors, in the mesh cycle'), mesh%phase)
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
                          &the mesh displacement; its sign and phase against the stiffness matter'), mesh%error_cos)
       call v%on_list(row('error_sin', 'm', 'sine amplitudes, harmonics 1, 2, ...'), mesh%error_sin)
       call v%on_real(row('error_mean', 'm', 'constant part of the transmission error, of placement and tooth thickness; positive: &
                          &towards contact of the drive flanks. It matters in loops of gears alone, as between planets'), &
                      mesh%error_mean)
+      call visit_gear_error(mesh%gear_error(1), 1, v)
+      call visit_gear_error(mesh%gear_error(2), 2, v)
       call v%on_integer(row('order', '', 'mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh &
                             &has them, else 1', least=one, most=most_order*one, automatic=zero), mesh%order)
       call v%leave()

@@ -1,0 +1,73 @@
+!> What the errors of a mesh are in numbers: its transmission error, and the errors of its gears.
+module geartrain_report_explain_errors
+   use geartrain_base_carry, only: carry
+   use geartrain_base_field, only: field_type
+   use geartrain_base_fields, only: fields_type
+   use geartrain_base_kinds, only: dp
+   use geartrain_drawing_error_phase, only: lacks_phase
+   use geartrain_train_gear_error, only: gear_words, has_gear_error
+   use geartrain_train_mesh, only: is_given, mesh_type
+   implicit none (type, external)
+   private
+   public :: explain_errors
+
+contains
+
+   !> Adds the errors to the group of a mesh.
+   subroutine explain_errors(mesh, plain, fields)
+      !> The mesh as given.
+      type(mesh_type), intent(in) :: mesh
+      !> The mesh in plain numbers.
+      type(mesh_type), intent(in) :: plain
+      !> Gets the fields.
+      class(fields_type), intent(inout) :: fields
+      character(:), allocatable :: words
+      real(dp) :: mean
+
+      words = 'as given'
+      if (lacks_phase(mesh, plain)) words = 'as given; its phase against the stiffness is open: with another sign or with &
+         &error_sin forces and loss of contact differ'
+      call add('error_cos', 'error_harmonic', words, plain%error_cos, fields)
+      call add('error_sin', 'error_harmonic', words, plain%error_sin, fields)
+      words = 'as given'
+      if (is_given(mesh%gear_error(1)%pitch) .or. is_given(mesh%gear_error(2)%pitch)) words = 'with the means of the pitch errors'
+      mean = plain%error_mean
+      if (abs(mean) > 0) &
+         call carry(fields, field_type('error_mean', '', 'm', words//'; the mean forces of loops follow from it'), mean)
+      call explain_gear(plain, 1, fields)
+      call explain_gear(plain, 2, fields)
+   end subroutine explain_errors
+
+   !> Adds the errors of a gear.
+   subroutine explain_gear(plain, gear, fields)
+      type(mesh_type), intent(in) :: plain
+      integer, intent(in) :: gear
+      class(fields_type), intent(inout) :: fields
+      character(:), allocatable :: which
+      integer :: order
+
+      which = trim(gear_words(gear))
+      associate (error => plain%gear_error(gear))
+         if (.not. has_gear_error(error)) return
+         order = error%order
+         call carry(fields, field_type(which//'_revolution_order', '', '1', 'revolution of the '//which//' gear, on a carrier &
+            &against it, over the fundamental'), order)
+         call add(which//'_error_cos', which//'_order', 'all errors of the '//which//' gear, orders 1, 2, ... of its revolution', &
+                  error%cosine, fields)
+         call add(which//'_error_sin', which//'_order', 'all errors of the '//which//' gear, orders 1, 2, ... of its revolution', &
+                  error%sine, fields)
+      end associate
+   end subroutine explain_gear
+
+   subroutine add(name, dimension, words, values, fields)
+      character(*), intent(in) :: name, dimension, words
+      real(dp), allocatable, intent(in) :: values(:)
+      class(fields_type), intent(inout) :: fields
+      real(dp), allocatable :: list(:)
+
+      if (.not. is_given(values)) return
+      list = values
+      call carry(fields, field_type(name, dimension, 'm', words), list)
+   end subroutine add
+
+end module geartrain_report_explain_errors

@@ -1,0 +1,126 @@
+!> Errors of a gear that repeat once a revolution: of each tooth, by runout, or by their harmonics. They add to the transmission
+!> error of the mesh.
+module geartrain_train_gear_error
+   use geartrain_base_kinds, only: dp
+   use geartrain_base_series, only: delay, table_harmonics
+   use geartrain_base_variable, only: row => variable_type, visitor_type
+   implicit none (type, external)
+   private
+   public :: first_variable, gear_error_type, gear_words, has_gear_error, make_plain, visit_gear_error
+
+   !> Which gear of a mesh, as variables and messages name it.
+   character(*), parameter :: gear_words(2) = ['driving', 'driven ']
+
+   type :: gear_error_type
+      !> Cumulative pitch error of each tooth along the line of action [m], (tooth).
+      real(dp), allocatable :: pitch(:)
+      !> Runout: amplitude along the line of action [m] and phase in the revolution of the gear [rad].
+      real(dp) :: runout = 0, runout_phase = 0
+      !> Amplitudes at the orders 1, 2, ... of the revolution [m], (order). In a plain train of all errors of the gear.
+      real(dp), allocatable :: cosine(:), sine(:)
+      !> Derived: revolution of the gear, on a carrier against the carrier, as a multiple of the fundamental.
+      integer :: order = 1
+   end type gear_error_type
+
+contains
+
+   !> Visits the variables of the errors of a gear.
+   subroutine visit_gear_error(error, gear, v)
+      !> The errors; the visitor may change them.
+      type(gear_error_type), intent(inout) :: error
+      !> 1: the driving gear, 2: the driven gear.
+      integer, intent(in) :: gear
+      !> Reads, checks, sets or lists each variable.
+      class(visitor_type), intent(inout) :: v
+      character(:), allocatable :: which
+      logical :: given
+
+      which = trim(gear_words(gear))
+      call v%on_list(row(which//'_pitch_error', 'm', 'cumulative pitch errors of the '//which//' gear, one a tooth in the order in &
+                         &which the teeth engage, along the line of action, joined by a trigonometric polynomial; positive: &
+                         &towards the mate. Every mesh must have teeth', least=-1.0_dp, most=1.0_dp), error%pitch)
+      given = .not. abs(error%runout) <= 0
+      call v%on_real(row(which//'_runout', 'm', 'amplitude of the error by eccentricity of the '//which//' gear, along the line of &
+                         &action, once a revolution', least=0.0_dp, most=1.0_dp), error%runout, given)
+      given = .not. abs(error%runout_phase) <= 0
+      call v%on_real(row(which//'_runout_phase', 'rad', 'angle of the '//which//' gear at which its runout is largest, from the &
+                         &beginning of the first mesh cycle'), error%runout_phase, given)
+      call v%on_list(row(which//'_error_cos', 'm', 'cosine amplitudes of the error of the '//which//' gear, orders 1, 2, ... of &
+                         &its revolution, on a carrier against it; they add to pitch errors and runout', least=-1.0_dp, &
+                         most=1.0_dp), error%cosine)
+      call v%on_list(row(which//'_error_sin', 'm', 'sine amplitudes, orders 1, 2, ...', least=-1.0_dp, most=1.0_dp), error%sine)
+   end subroutine visit_gear_error
+
+   !> Whether a gear has errors.
+   elemental logical function has_gear_error(error) result(has)
+      !> Errors of a gear.
+      type(gear_error_type), intent(in) :: error
+
+      has = error%runout > 0
+      if (allocated(error%pitch)) has = has .or. size(error%pitch) > 0
+      if (allocated(error%cosine)) has = has .or. size(error%cosine) > 0
+      if (allocated(error%sine)) has = has .or. size(error%sine) > 0
+   end function has_gear_error
+
+   !> Name of the first variable that is given.
+   pure function first_variable(error, gear) result(name)
+      !> Errors of a gear that has them.
+      type(gear_error_type), intent(in) :: error
+      !> 1: the driving gear, 2: the driven gear.
+      integer, intent(in) :: gear
+      character(24) :: name
+
+      name = 'error_sin'
+      if (allocated(error%cosine)) then
+         if (size(error%cosine) > 0) name = 'error_cos'
+      end if
+      if (error%runout > 0) name = 'runout'
+      if (allocated(error%pitch)) then
+         if (size(error%pitch) > 0) name = 'pitch_error'
+      end if
+      name = trim(gear_words(gear))//'_'//name
+   end function first_variable
+
+   !> Replaces pitch errors and runout by harmonics: tooth j has its pitch error at the beginning of mesh cycle j of the revolution.
+   pure subroutine make_plain(error, teeth, phase, mean)
+      !> Errors of a gear as given; gets amplitudes alone.
+      type(gear_error_type), intent(inout) :: error
+      !> Number of teeth of the gear.
+      integer, intent(in) :: teeth
+      !> Lag of the mesh [rad of the mesh cycle].
+      real(dp), intent(in) :: phase
+      !> Mean of the pitch errors [m].
+      real(dp), intent(out) :: mean
+      real(dp), allocatable :: cosine(:), sine(:)
+
+      mean = 0
+      if (.not. has_gear_error(error)) return
+      allocate (cosine(0), sine(0))
+      if (allocated(error%pitch)) then
+         if (size(error%pitch) > 0) call table_harmonics(error%pitch, mean, cosine, sine)
+         deallocate (error%pitch)
+      end if
+      if (abs(error%runout) > 0) then
+         call add([error%runout*cos(error%runout_phase)], cosine)
+         call add([error%runout*sin(error%runout_phase)], sine)
+         error%runout = 0
+         error%runout_phase = 0
+      end if
+      if (allocated(error%cosine)) call add(error%cosine, cosine)
+      if (allocated(error%sine)) call add(error%sine, sine)
+      call move_alloc(cosine, error%cosine)
+      call move_alloc(sine, error%sine)
+      if (abs(phase) > 0) call delay(phase/teeth, error%cosine, error%sine)
+   end subroutine make_plain
+
+   !> Adds amplitudes to a list, which may be shorter.
+   pure subroutine add(amplitude, list)
+      real(dp), intent(in) :: amplitude(:)
+      real(dp), allocatable, intent(inout) :: list(:)
+      integer :: i
+
+      list = [list, [(0.0_dp, i=size(list) + 1, size(amplitude))]]
+      list(:size(amplitude)) = list(:size(amplitude)) + amplitude
+   end subroutine add
+
+end module geartrain_train_gear_error
