@@ -55,7 +55,7 @@ contains
             if (i < command_argument_count()) arguments%shell = argument(i + 1)
             if (all(shells /= arguments%shell)) arguments%wrong = '--completion needs bash, zsh or fish'
             return
-         case ('--new', '--check', '--explain', '--audit')
+         case ('--new', '--check', '--explain', '--audit', '--from-rexs')
             if (arguments%action /= 'run' .and. arguments%action /= word(3:)) &
                arguments%wrong = '--'//arguments%action//' and '//word//' contradict each other'
             arguments%action = word(3:)
@@ -85,6 +85,8 @@ contains
       if (arguments%wrong == '' .and. size(arguments%case_files) == 0) arguments%wrong = 'no case file given'
       if (arguments%wrong == '' .and. arguments%action == 'new' .and. size(arguments%case_files) > 1) &
          arguments%wrong = '--new writes one case: '//arguments%case_files(2)%name//' is one too many'
+      if (arguments%wrong == '' .and. arguments%action == 'from-rexs' .and. size(arguments%case_files) > 1) &
+         arguments%wrong = '--from-rexs reads one file: '//arguments%case_files(2)%name//' is one too many'
       if (arguments%wrong == '' .and. arguments%action /= 'run') then
          if (arguments%output_file /= '') arguments%wrong = '--'//arguments%action//' writes no results: leave out --output'
          if (arguments%resume) arguments%wrong = '--'//arguments%action//' goes on with no run: leave out --resume'

@@ -8,6 +8,7 @@ program main
    use geartrain_input_text, only: reference_text
    use geartrain_run_reference, only: output_reference
    use options, only: completion_text, help_text
+   use rexs, only: print_case
    use terminal, only: complain, leave_at_once, output_lost, say, stand_firm
    implicit none (type, external)
    type(arguments_type) :: asked
@@ -42,6 +43,8 @@ program main
       call say(text)
    case ('new')
       call new_case(asked%case_files(1)%name, status)
+   case ('from-rexs')
+      call print_case(asked%case_files(1)%name, status)
    case ('version')
       call say('geartrain '//version//new_line('a'))
    case ('template')

@@ -22,6 +22,7 @@ module options
       option_type('--verbose', 'CASE.nml --verbose', 'run a case; the report has all peaks, jumps and ranges'), &
       option_type('', 'A.nml B.nml ...', 'run several cases, as many at a time as there are threads'), &
       option_type('--new', '--new CASE.nml', 'write a commented case to begin with'), &
+      option_type('--from-rexs', '--from-rexs FILE.rexs > CASE.nml', 'a case from a REXS file, by the Python package'), &
       option_type('--check', '--check CASE.nml ...', 'check cases without computing'), &
       option_type('--explain', '--explain CASE.nml ...', 'print every number of the train with its formula and standard'), &
       option_type('--audit', '--audit CASE.nml ...', &
@@ -101,6 +102,7 @@ contains
             '   case $before in'//newline// &
             "      --completion) mapfile -t COMPREPLY < <(compgen -W 'bash zsh fish' -- ""$word""); return ;;"//newline// &
             '      --output | -o) ending=h5 ;;'//newline// &
+            "      --from-rexs) ending='rexs*' ;;"//newline// &
             '   esac'//newline// &
             '   if [[ $word == -* ]]; then'//newline// &
             "      mapfile -t COMPREPLY < <(compgen -W '"//names(2:)//"' -- ""$word"")"//newline// &
@@ -131,6 +133,7 @@ contains
 
       text = ''
       if (name == '--output') text = ':results:_files -g "*.h5"'
+      if (name == '--from-rexs') text = ':gearbox:_files -g "*.rexs*"'
       if (name == '--completion') text = ':shell:(bash zsh fish)'
    end function zsh_argument
 
@@ -141,6 +144,7 @@ contains
 
       text = ''
       if (name == '--output') text = " -s o -r -k -a '(__fish_complete_suffix .h5)'"
+      if (name == '--from-rexs') text = " -r -k -a '(__fish_complete_suffix .rexs)'"
       if (name == '--completion') text = " -x -a 'bash zsh fish'"
    end function fish_argument
 

@@ -36,6 +36,7 @@ from ._core.explanation import Explanation
 from ._core.suggest import suggest_names
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
+from .files.rexs import read_rexs
 from .pages.page import Page, page
 from .plots.draw import plot_style
 from .results.attractors import Attractors
@@ -107,6 +108,7 @@ __all__ = [
     "plot_style",
     "read_case",
     "read_results",
+    "read_rexs",
     "read_study",
 ]
 

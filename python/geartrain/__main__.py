@@ -24,11 +24,13 @@ In Python
    gt.read_case("case.nml").run()     runs a case file
    gt.Train(...).response(...)        the same from Python; help(gt) begins with an example, help(gt.Train) tells all
    gt.read_results("case.h5")         what a run has written
+   gt.read_rexs("gearbox.rexs")       a gearbox that another program has written
 
 Commands
    geartrain --new case.nml           writes a commented case to begin with; geartrain --help tells the rest
                                       {executable}
    geartrain-page RESULTS.h5          makes a page for a browser of a results file
+   geartrain-rexs GEARBOX.rexs        prints a case of a gearbox that another program has written
    geartrain-study FOLDER             computes the points of a study that are not there yet
    python -m geartrain ...            is geartrain ...
 

@@ -95,6 +95,9 @@ class Train(Description):
     array([0.251373])
     """
 
+    #: What a train was made of where it was read from a file of another program: what was assumed, is missing, is not used.
+    notes = ()  # type: tuple[str, ...]
+
     def with_values(self, values: Mapping[str, Any]) -> Self:
         """A train like this one with other values of parameters, as an optimiser or a loop over designs wants it.
 

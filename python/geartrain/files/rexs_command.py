@@ -1,0 +1,45 @@
+"""``geartrain-rexs GEARBOX.rexs > CASE.nml``: the case of a REXS file."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+
+from .._core.parser import Parser
+from ..errors import InputError, plain
+from .rexs import case_of_rexs
+
+__all__ = ["main"]
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Exit status: 0 printed; 2 bad arguments or a bad file; 4 the file cannot be read, or standard output not written."""
+    told = _parser().parse_args(arguments)
+    try:
+        text = case_of_rexs(told.gearbox, load_case=told.load_case)
+    except InputError as error:
+        print(error, file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(plain(f"{told.gearbox}: cannot be read: {error.strerror or error}"), file=sys.stderr)
+        return 4
+    try:
+        sys.stdout.buffer.write(text.encode())
+        sys.stdout.flush()
+    except OSError as error:
+        print(f"standard output cannot be written: {error.strerror or error}", file=sys.stderr)
+        return 4
+    return 0
+
+
+def _parser() -> Parser:
+    parser = Parser(prog="geartrain-rexs", description="Print the case of a gearbox in a REXS file: every number with its "
+                                                       "component, what was assumed and what is missing.")
+    parser.add_argument("gearbox", metavar="GEARBOX.rexs", help="REXS 1.0 to 2.0: .rexs (XML), .rexsj (JSON), .rexsz (zip)")
+    parser.add_argument("--load-case", type=int, metavar="N", help="of the load spectrum, from 1 on; unless told the "
+                                                                   "loads beside it, or the case of the longest time")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,229 @@
+"""REXS files that are damaged, hostile, or of gearboxes that are not read: each ends in InputError with a sentence."""
+
+import json
+import random
+import zipfile
+
+import pytest
+from rexs_files import Gearbox, one_stage, planetary, two_stages
+
+import geartrain as gt
+from geartrain.files import rexs_file
+
+pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+
+
+def refused(path, *words):
+    """The message of a file that is not read."""
+    with pytest.raises(gt.InputError) as caught:
+        gt.read_rexs(path)
+    assert [word for word in words if word not in str(caught.value)] == [], str(caught.value)
+    return str(caught.value)
+
+
+# Gearboxes that are not read.
+
+@pytest.mark.parametrize(("name", "attributes", "words"), [
+    ("Pinion 1 [", {"number_of_teeth": None}, ["number_of_teeth: is missing"]),
+    ("Pinion 1 [", {"number_of_teeth": ("none", 1e9)}, ["must be a whole number from 3 on"]),
+    ("Pinion 1 [", {"number_of_teeth": ("none", "many")}, ["number_of_teeth = 'many': must be a number"]),
+    ("Pinion 1 [", {"normal_module": ("mm", 3.0)}, ["differ in module or helix angle: 3 mm and 2.5 mm"]),
+    ("Pinion 1 [", {"normal_module": ("mm", -3.0)}, ["must be above 0"]),
+    ("Pinion 1 [", {"normal_module": ("furlong", 3.0)}, ["unit 'furlong': is none of the standard"]),
+    ("Pinion 1 [", {"helix_angle_reference_diameter": ("deg", -15.0)}, ["of the same hand"]),
+    ("Pinion 1 [", {"helix_angle_reference_diameter": ("deg", 88.0)}, ["must be at most 60"]),
+    ("Pinion 1 [", {"face_width": ("mm", float("nan"))}, ["face_width", "must be a number"]),
+    ("Output [", {"u_axis_vector": ("mm", [0.0, 1.0, 0.0])}, ["is not parallel to the others"]),
+    ("Output [", {"data_source": ("none", "shafts.rexs")}, ["refers to another file"]),
+    ("section", {"inner_diameter_begin": ("mm", 400.0)}, ["400 mm", "leave no wall"]),
+    ("Motor", {"transmits_torque": ("none", False)}, ["is the only external load"]),
+    ("Machine", {"torque_around_u_axis": ("N m", 1.0), "defines_torque": ("none", True), "transmits_torque": ("none", False)},
+     ["external loads that can balance"]),
+])
+def test_a_gearbox_that_cannot_be_read(tmp_path, name, attributes, words):
+    box = two_stages().change(name, **attributes)
+    told = refused(box.write(tmp_path / "gearbox.rexs"), "gearbox.rexs", "error: ", *words)
+    lined = name not in ("Output [", "Motor", "Machine") or "data_source" in attributes
+    assert not lined or told.partition("gearbox.rexs:")[2].partition(":")[0].isdigit(), told
+
+
+def test_the_line_is_that_of_the_attribute(tmp_path):
+    """In XML that of the attribute, in JSON that of its component."""
+    box = two_stages().change("Pinion 1 [", number_of_teeth=("none", "many"))
+    for ending, word in ((".rexs", 'id="number_of_teeth" unit="none">many'), (".rexsj", "{")):
+        path = box.write(tmp_path / ("gearbox" + ending))
+        line = int(refused(path).partition(f"gearbox{ending}:")[2].partition(":")[0])
+        assert word in path.read_text().splitlines()[line - 1]
+    assert '"name": "Pinion 1 [' in path.read_text().splitlines()[line + 2]
+
+
+@pytest.mark.parametrize("kind", ["bevel_stage", "worm_stage"])
+def test_stages_of_another_geometry(tmp_path, kind):
+    box = two_stages()
+    box.add(kind, "Bevel set")
+    refused(box.write(tmp_path / "gearbox.rexs"), kind, "only cylindrical and planetary stages are read")
+
+
+def test_what_turns_is_determined(tmp_path):
+    refused(planetary(held=False).write(tmp_path / "a.rexs"), "has 2 independent speeds, and gives 1")
+    box = planetary()
+    carrier = box.number("Carrier shaft")
+    box.couple("coupling", "Lock", carrier, box.casing, u_coordinate_on_shaft_inner_side=("mm", 5.0))
+    refused(box.write(tmp_path / "a.rexs"), "nothing can turn")
+    refused(Gearbox().write(tmp_path / "a.rexs"), "no gear pair is joined to an external load")
+
+
+def test_all_problems_at_once(tmp_path):
+    box = two_stages().change("Pinion 1 [", number_of_teeth=None).change("Wheel 2 [", normal_module=None)
+    assert len(refused(box.write(tmp_path / "gearbox.rexs")).splitlines()) == 2
+
+
+# Files that are no gearboxes.
+
+@pytest.mark.parametrize(("text", "words"), [
+    ("", ["the file is empty"]),
+    ("  \n", ["the file is empty"]),
+    ("&train /", [":1: error: no well-formed XML"]),
+    ("<html></html>", ["begins with <html>, a REXS file with <model>"]),
+    ('<model version="1.4"></model>', ["no components: is this a REXS file?"]),
+    ('<model version="3.0"></model>', ["version '3.0': must be 1.0 to 2.0"]),
+    ('<model version="1.4"><components><component id="x" type="shaft"/></components></model>',
+     ["id = 'x': must be a whole number"]),
+    ('<model version="1.4">\n<components><component id="1" type="shaft"/>\n<component id="1" type="shaft"/></components></model>',
+     [":3: error: component 1 stands in the file twice"]),
+    ('<model version="1.4"><relations><relation id="1" type="assembly"><ref id="7" role="part"/></relation></relations>'
+     '<components><component id="1" type="shaft"/></components></model>', ["relation assembly: part 7 is no component"]),
+    ('<model version="1.4"><relations><relation id="1" type="assembly"><ref id="1" role="part"/></relation></relations>'
+     '<components><component id="1" type="shaft"/></components></model>', ["relation assembly: has no assembly"]),
+    ('<model version="1.4"><components><component id="1" type="shaft"><attribute id="support_vector" unit="mm">'
+     '<array code="float64">!!!</array></attribute></component></components></model>', ["cannot be decoded"]),
+    ('<model version="1.4"><components><component id="1" type="shaft"><attribute id="support_vector" unit="mm"><array code="text">'
+     "AA==</array></attribute></component></components></model>", ["must be int32, float32 or float64"]),
+    ('<?xml version="1.0"?><!DOCTYPE model [<!ENTITY a SYSTEM "file:///etc/passwd">]><model version="1.4">&a;</model>',
+     ["a document type", "is not read"]),
+    ('<?xml version="1.0"?><!DOCTYPE model [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><model version="1.4">&b;</model>',
+     ["document type"]),
+    ("<model version='1.4'>" + "<a>" * 70, ["elements within elements, 64 deep"]),
+    ('<?xml version="1.0" encoding="nonsense"?><model version="1.4"/>', ["unknown encoding: nonsense"]),
+    ("{", ["no well-formed JSON"]), ("[]", ["begins with no"]), ('{"model": 3}', ["begins with no"]),
+    ('{"model": {"version": "1.4", "components": 3}}', ['"components": must be a list of objects']),
+    ('{"model": {"version": "1.4", "components": [3]}}', ['"components": must be a list of objects']),
+    ('{"model": ' * 100000, ["no well-formed JSON"]),
+    ('{"model": {"version": "1.4", "components": [{"id": ' + "9" * 5000 + "}]}}", ["error: "]),
+    ('{"model": {"version": "1.4", "components": [{"id": true}]}}', ["id = True: must be a whole number"]),
+])
+def test_a_file_that_is_no_gearbox(tmp_path, text, words):
+    (tmp_path / "a.rexs").write_text(text)
+    refused(tmp_path / "a.rexs", *words)
+
+
+def test_text_of_no_encoding(tmp_path):
+    (tmp_path / "a.rexs").write_bytes(b'<model version="1.4">\xff\xfe</model>')
+    refused(tmp_path / "a.rexs", "no well-formed XML")
+    (tmp_path / "a.rexsj").write_bytes(b'{"model": "\xff\xfe"}')
+    refused(tmp_path / "a.rexsj", "no readable text")
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16"])
+def test_marks_of_encodings(tmp_path, encoding):
+    box = one_stage()
+    (tmp_path / "a.rexs").write_text(box.xml().replace("UTF-8", encoding.removesuffix("-sig").upper()), encoding=encoding)
+    (tmp_path / "a.rexsj").write_text(box.json(), encoding=encoding)
+    assert gt.read_rexs(tmp_path / "a.rexs").namelist() == gt.read_rexs(tmp_path / "a.rexsj").namelist()
+
+
+def test_archives(tmp_path, monkeypatch):
+    path = tmp_path / "a.rexsz"
+
+    def write(*members, **more):
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, **more) as archive:
+            for name, text in members:
+                archive.writestr(name, text)
+
+    text = one_stage().xml()
+    write(("gde.txt", ""), ("__MACOSX/._a.rexs", "no"), ("model/a.rexs", text))
+    assert len(gt.read_rexs(path).bodies) == 4
+    write(("a.rexs", text.replace("<relations>", "<relations", 1)))
+    refused(path, "a.rexsz/a.rexs:4: error: no well-formed XML")
+    write(("a.txt", text))
+    refused(path, "must have one file .rexs or .rexsj; it has none")
+    write(("a.rexs", text), ("b.rexsj", text))
+    refused(path, "it has 'a.rexs', 'b.rexsj'")
+    write(*((f"{number}.txt", "") for number in range(1001)))
+    refused(path, "an archive of 1001 files")
+    path.write_bytes(b"PK\x03\x04 and no more")
+    refused(path, "cannot be unpacked")
+    monkeypatch.setattr(rexs_file, "LARGEST", 10**6)
+    write(("a.rexs", " " * (10**6 + 1)))
+    assert path.stat().st_size < 10**4
+    refused(path, "unpacks to more than")
+    (tmp_path / "a.rexs").write_text(" " * (10**6 + 1))
+    refused(tmp_path / "a.rexs", "which no gearbox needs")
+
+
+# Damage by chance: a train, or InputError.
+
+BOXES = {"two stages": two_stages, "planetary": planetary}
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_damaged_bytes(tmp_path, times, name):
+    draw = random.Random(40)
+    box, seen = BOXES[name](), set()
+    files = {".rexs": box.xml().encode(), ".rexsj": box.json().encode()}
+    for _ in range(times(400)):
+        ending = draw.choice(sorted(files))
+        data = bytearray(files[ending])
+        for _ in range(draw.choice((1, 1, 3, 30))):
+            place = draw.randrange(len(data))
+            kind = draw.randrange(4)
+            if kind == 0:
+                data[place] = draw.randrange(256)
+            elif kind == 1:
+                del data[place:place + draw.choice((1, 5, 200))]
+            elif kind == 2:
+                data[place:place] = data[draw.randrange(len(data)):][:draw.choice((1, 5, 200))]
+            else:
+                data[place] = draw.choice(b"0123456789.-e")
+        (tmp_path / ("a" + ending)).write_bytes(bytes(data))
+        seen.add(outcome(tmp_path / ("a" + ending)))
+    assert seen == {"read", "refused"}
+
+
+@pytest.mark.parametrize("name", BOXES)
+def test_damaged_values(tmp_path, times, name):
+    """Any number, text, reference and type of another component in place of any."""
+    draw = random.Random(41)
+    odd = [0, -1, 1e-30, 1e30, -1e30, 1e400, "", "x", None, True, [], [1.0], [0.0, 0.0, 0.0], ["a", "b", "c"],
+           {"code": "float64"}, "1e999"]
+    text = BOXES[name]().json()
+    seen = set()
+    for _ in range(times(60)):
+        model = json.loads(text)["model"]
+        for _ in range(draw.choice((1, 1, 2, 5))):
+            component = draw.choice(model["components"])
+            relation = draw.choice(model["relations"])
+            choice = draw.randrange(6)
+            if choice <= 2 and component["attributes"]:
+                attribute = draw.choice(component["attributes"])
+                key = next(key for key in attribute if key not in ("id", "unit"))
+                attribute[key] = draw.choice(odd)
+            elif choice == 3:
+                component["type"] = draw.choice(model["components"])["type"]
+            elif choice == 4:
+                draw.choice(relation["refs"])["id"] = draw.choice(model["components"])["id"]
+            else:
+                model["relations"].remove(relation)
+        (tmp_path / "a.rexsj").write_text(json.dumps({"model": model}))
+        seen.add(outcome(tmp_path / "a.rexsj"))
+    assert "refused" in seen
+
+
+def outcome(path):
+    """Whether a file is read or refused; any other error is the test's."""
+    try:
+        gt.read_rexs(path)
+    except gt.InputError as error:
+        assert len(str(error)) > 20 and all(line.isprintable() for line in str(error).splitlines())
+        return "refused"
+    return "read"
