@@ -2,6 +2,7 @@
 module geartrain_analyses_load_sentences
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: significant, text
+   use geartrain_network_network, only: balance_torques
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_names, only: list_numbers
    use geartrain_train_train, only: train_type
@@ -40,7 +41,7 @@ contains
       end associate
    end function load_sides
 
-   !> The line on the load: 'Load: 90 N m on motor, balanced by load; mean mesh forces 3231 N, 7547 N'.
+   !> The line on the load: 'Load: 90 N m on motor, balanced by load (-210 N m); mean mesh forces 3231 N, 7547 N'.
    subroutine say_load(train, words)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -53,11 +54,9 @@ contains
       force = pack(mean_forces(train), .not. train%meshes%is_coupling)
       words = 'Load: '
       if (allocated(train%bodies)) then
-         balancing = ''
          n = 0
          do i = 1, size(train%bodies)
             associate (body => train%bodies(i))
-               if (body%balances) balancing = body%name
                if (body%balances .or. .not. abs(body%torque) > 0) cycle
                n = n + 1
                if (n > most) cycle
@@ -67,7 +66,8 @@ contains
          end do
          if (n > most) words = words//', and '//text(n - most)//' more torques'
          if (n == 0) words = words//'none'
-         if (n > 0) words = words//', balanced by '//balancing
+         call list_balancing(train, balancing)
+         if (n > 0) words = words//balancing
       else
          words = words//'input torque '//significant(train%input_torque)//' N m'
       end if
@@ -84,5 +84,27 @@ contains
       if (all(force < 0)) list = trim(merge('the mesh  ', 'all meshes', size(force) == 1))
       words = words//'; on the coast flanks of '//list
    end subroutine say_load
+
+   !> Bodies that balance the torques, and their mean torques: ', balanced by motor (-20 N m) and car (-64 N m)'; '' for none.
+   subroutine list_balancing(train, words)
+      type(train_type), intent(in) :: train
+      character(:), allocatable, intent(out) :: words
+      type(system_type) :: system
+      real(dp) :: torque(size(train%bodies))
+      integer :: i, n
+
+      words = ''
+      call build_system(train, system)
+      torque = train%bodies%torque
+      call balance_torques(system%network, torque)
+      n = 0
+      do i = 1, size(torque)
+         if (.not. train%bodies(i)%balances) cycle
+         n = n + 1
+         if (n == 1) words = ', balanced by '
+         if (n > 1) words = words//' and '
+         words = words//trim(train%bodies(i)%name)//' ('//significant(torque(i))//' N m)'
+      end do
+   end subroutine list_balancing
 
 end module geartrain_analyses_load_sentences

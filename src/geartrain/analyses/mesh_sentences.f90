@@ -11,12 +11,13 @@ module geartrain_analyses_mesh_sentences
    private
    public :: say_meshes
 
-   !> Most meshes of a short report.
+   !> Most sentences of a short report.
    integer, parameter :: most = 6
 
 contains
 
-   !> Adds a sentence for each mesh; in a short report of many meshes for those with the largest force over the mean.
+   !> Adds a sentence for each mesh, or for several with equal figures; in a short report for those with the largest force over the
+   !> mean.
    subroutine say_meshes(load, largest, at, at_end, error, sweep, contact, names, told, sheet)
       !> Loads, (mesh, motion).
       type(mesh_load_type), intent(in) :: load(:, :)
@@ -34,8 +35,9 @@ contains
       type(frequency_text_type), intent(in) :: told
       !> The report.
       type(sheet_type), intent(inout) :: sheet
-      character(:), allocatable :: words, place
-      integer :: order(size(load, 1)), i, k
+      type(text_type) :: sentence(size(load, 1))
+      character(:), allocatable :: words, meshes
+      integer :: order(size(load, 1)), first(size(load, 1)), i, j, k
       logical :: shown(size(load, 1))
 
       ! Meshes without a mean force come last, those with the largest forces first.
@@ -43,26 +45,41 @@ contains
          order = ascending([(merge(-load(i, largest(i))%dynamic_factor, -load(i, largest(i))%force_maximum/strongest, &
                                    load(i, largest(i))%dynamic_factor >= 0), i=1, size(load, 1))])
       end associate
-      shown = .true.
-      if (.not. sheet%verbose) shown(order(most + 1:)) = .false.
       do i = 1, size(load, 1)
-         if (.not. shown(i)) cycle
-         k = largest(i)
-         words = 'M'//trim(names(i)(2:))//': largest force '//significant(load(i, k)%force_maximum)//' N'
-         if (index(names(i), 'coupling') == 1) words = 'C'//trim(names(i)(2:))//': largest torque '// &
-                                                       significant(load(i, k)%force_maximum)//' N m'
-         if (error(i)%text /= '') words = words//' ('//error(i)%text//')'
-         if (load(i, k)%dynamic_factor >= 0) words = words//', '//significant(load(i, k)%dynamic_factor)//' times the mean,'
-         if (load(i, k)%dynamic_factor < 0) words = words//', without a mean force,'
-         call told%with_unit(told%number(at(k)), place)
-         words = words//' at '//place
-         if (at_end(k)) words = words//', the end of the range'
-         if (sweep(i)%text /= '') words = words//' ('//sweep(i)%text//')'
-         if (contact(i)%text /= '') words = words//'; '//contact(i)%text
-         call sheet%say(in_result, words//'.')
+         call say_mesh(load(i, largest(i)), told%number(at(largest(i))), i, words)
+         sentence(i)%text = words
+      end do
+      ! Equal meshes, as those of equal planets, share a sentence.
+      first = [(i, i=1, size(first))]
+      do i = 2, size(first)
+         do j = 1, i - 1
+            if (sentence(j)%text == sentence(i)%text) exit
+         end do
+         first(i) = j
+      end do
+      shown = .true.
+      if (.not. sheet%verbose) then
+         k = 0
+         do i = 1, size(order)
+            if (all(first(order(:i - 1)) /= first(order(i)))) k = k + 1
+            if (k > most) exit
+         end do
+         shown(order(i:)) = .false.
+      end if
+      do i = 1, size(load, 1)
+         if (.not. shown(i) .or. any(shown(:i - 1) .and. first(:i - 1) == first(i))) cycle
+         words = 'M'//trim(names(i)(2:))
+         if (index(names(i), 'coupling') == 1) words = 'C'//trim(names(i)(2:))
+         meshes = ''
+         do j = i + 1, size(load, 1)
+            if (shown(j) .and. first(j) == first(i)) meshes = meshes//', '//trim(names(j)(index(names(j), ' ') + 1:))
+         end do
+         if (meshes /= '') words = trim(merge('Meshes   ', 'Couplings', index(names(i), 'mesh') == 1))// &
+                                   trim(names(i)(index(names(i), ' '):))//meshes
+         call sheet%say(in_result, words//sentence(i)%text//'.')
       end do
       if (all(shown)) return
-      associate (next => order(most + 1))
+      associate (next => order(count(shown) + 1))
          words = 'The other '//counted(count(.not. shown), 'mesh', 'meshes')//': largest force '// &
                  significant(maxval([(load(i, largest(i))%force_maximum, i=1, size(load, 1))], .not. shown))//' N'
          if (load(next, largest(next))%dynamic_factor >= 0) words = words//', at most '// &
@@ -72,6 +89,30 @@ contains
                 .and. .not. shown)
       if (k > 0) words = words//'; '//counted(k, 'of them loses contact', 'of them lose contact')
       call sheet%say(in_result, words//'.')
+
+   contains
+
+      !> What is said of a mesh after its name.
+      subroutine say_mesh(most_load, number, mesh, words)
+         !> Its load where its force is largest, and Lambda there as text.
+         type(mesh_load_type), intent(in) :: most_load
+         character(*), intent(in) :: number
+         integer, intent(in) :: mesh
+         character(:), allocatable, intent(out) :: words
+         character(:), allocatable :: place
+
+         words = ': largest force '//significant(most_load%force_maximum)//' N'
+         if (index(names(mesh), 'coupling') == 1) words = ': largest torque '//significant(most_load%force_maximum)//' N m'
+         if (error(mesh)%text /= '') words = words//' ('//error(mesh)%text//')'
+         if (most_load%dynamic_factor >= 0) words = words//', '//significant(most_load%dynamic_factor)//' times the mean,'
+         if (most_load%dynamic_factor < 0) words = words//', without a mean force,'
+         call told%with_unit(number, place)
+         words = words//' at '//place
+         if (at_end(largest(mesh))) words = words//', the end of the range'
+         if (sweep(mesh)%text /= '') words = words//' ('//sweep(mesh)%text//')'
+         if (contact(mesh)%text /= '') words = words//'; '//contact(mesh)%text
+      end subroutine say_mesh
+
    end subroutine say_meshes
 
 end module geartrain_analyses_mesh_sentences
