@@ -213,6 +213,18 @@ def test_train_of_rigid_shafts():
     assert told["laws"][0] is not None and told["schematic"].startswith("<?xml")
 
 
+def test_planets_and_held_bodies():
+    """What a set's report names is on its page too: reaction of the ring, shares of the planets, each with its names."""
+    branch = gt.read_case(ROOT / "namelists" / "planetary.nml").train.response(start=1000.0, stop=1100.0, unit="rpm", harmonics=6)
+    told = unpacked(branch.page().html)
+    [file] = told["files"]
+    [series] = file["series"]
+    for name in ("load_share", "reaction_torque_maximum"):
+        parts = file["parts"][told["quantities"][name]["along"]]
+        assert parts == {"load_share": list(branch.train.planet_labels), "reaction_torque_maximum": ["ring"]}[name]
+        np.testing.assert_allclose(series["values"][name], branch.arrays()[name], rtol=1e-7)
+
+
 def test_command(page_results, branch, tmp_path, capsys):
     one, other = tmp_path / "one.h5", tmp_path / "other.h5"
     page_results.write(one)
