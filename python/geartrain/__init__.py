@@ -36,6 +36,7 @@ from ._core.explanation import Explanation
 from ._core.suggest import suggest_names
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
+from .files.load_cycles import LoadCycles
 from .files.rexs import read_rexs
 from .pages.page import Page, page
 from .plots.draw import plot_style
@@ -79,6 +80,7 @@ __all__ = [
     "InputError",
     "Interrupted",
     "Jump",
+    "LoadCycles",
     "Locus",
     "LocusPoint",
     "LyapunovSpectrum",
