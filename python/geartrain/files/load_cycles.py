@@ -75,7 +75,7 @@ class LoadCycles:
             return 0.0
         number = float(self.count.sum()) if cycles is None else float(cycles)
         # Over the largest range, so that a large exponent does not overflow.
-        return largest * float(self.count @ (self.range / largest) ** exponent / number) ** (1 / exponent)
+        return largest * float((self.count @ (self.range / largest) ** exponent / number) ** (1 / exponent))
 
     def spectrum(self) -> tuple[Array, Array]:
         """The load spectrum: ranges from the largest on, and how many cycles have this range or a larger one."""
