@@ -21,9 +21,9 @@ __all__ = ["Document"]
 _PAGE, _MARGIN, _LINE, _LETTERS = (8.27, 11.69), 0.7, 0.155, 100
 _HEAD = 0.34
 #: Height of a line of fixed width, and letters in it.
-_LOW, _FIXED = 0.118, 118
-#: Largest height of a picture on a page [inches].
-_TALLEST = 8.5
+_LOW, _FIXED = 0.124, 118
+#: Largest and usual height of a picture on a page [inches].
+_TALLEST, _USUAL = 8.5, 5.2
 
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; max-width: 62rem; margin: 2rem auto; padding: 0 1rem; color: #222; }
@@ -100,9 +100,10 @@ class Document:
         with pages.PdfPages(stream, metadata=about) as file:
             sheet = _Sheet(file)
             sheet.line(self.title, size=16, bold=True, height=0.45)
-            for kind, content in self.blocks:
+            kinds = [kind for kind, _ in self.blocks]
+            for (kind, content), after in zip(self.blocks, [*kinds[1:], ""]):
                 if kind == "heading":
-                    sheet.need(_HEAD + 4 * _LINE)
+                    sheet.need(_HEAD + (_USUAL if after == "picture" else 4 * _LINE))
                     sheet.skip(0.12)
                     sheet.line(content, size=12, bold=True, height=_HEAD)
                 elif kind == "sentence":
@@ -158,7 +159,7 @@ class _Sheet:
         self.need(height)
         # A dollar sign begins mathematics.
         self.page.text(_MARGIN / _PAGE[0], (_MARGIN + self.left) / _PAGE[1], text.replace("$", r"\$"), fontsize=size, va="top",
-                       fontweight="bold" if bold else "normal", family=family, linespacing=_LOW * 72 / 7 / 1.17)
+                       fontweight="bold" if bold else "normal", family=family, linespacing=1.187)
         self.left -= height
 
     def text(self, text: str, indent: str = "") -> None:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
 from .._core.parser import Parser
 from ..case import read_results
-from ..errors import InputError, plain
+from ..errors import DrawingWarning, InputError, plain
 
 __all__ = ["main"]
 
@@ -18,7 +19,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     told = _parser().parse_args(arguments)
     output = told.output or str(Path(told.results).with_suffix(".pdf"))
     try:
-        read_results(told.results).report(output)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DrawingWarning)  # the report has them
+            read_results(told.results).report(output)
     except (InputError, ModuleNotFoundError) as error:
         print(plain(str(error), lines=True), file=sys.stderr)
         return 2

@@ -208,7 +208,7 @@ def _train(made: Document, train: Description) -> None:
     names = [f"mesh {number}" for number in range(1, len(train.meshes) + 1)]
     for group in _groups(list(range(len(names))), lambda place: _mesh_rows(train, numbers, place)):
         made.table(["", ", ".join(names[place] for place in group)],
-                   [["between", "; ".join(train.mesh_labels[place] for place in group)], *_mesh_rows(train, numbers, group[0])])
+                   _mesh_rows(train, numbers, group[0]))
     for told in train.warnings:
         made.sentence(f"Warning: {told}")
 
