@@ -38,6 +38,7 @@ from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
 from .files.load_cycles import LoadCycles
 from .files.rexs import read_rexs
+from .files.table_file import read_table
 from .pages.page import Page, page
 from .plots.draw import plot_style
 from .results.attractors import Attractors
@@ -112,6 +113,7 @@ __all__ = [
     "read_results",
     "read_rexs",
     "read_study",
+    "read_table",
 ]
 
 with _box.Box() as _opened:
