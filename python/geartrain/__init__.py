@@ -36,7 +36,9 @@ from ._core.explanation import Explanation
 from ._core.suggest import suggest_names
 from .case import Case, Results, read_case, read_results
 from .errors import DrawingWarning, InputError, Interrupted, NotDifferentiableWarning, SolverError
+from .files.load_cycles import LoadCycles
 from .files.rexs import read_rexs
+from .files.table_file import read_table
 from .pages.page import Page, page
 from .plots.draw import plot_style
 from .results.attractors import Attractors
@@ -79,6 +81,7 @@ __all__ = [
     "InputError",
     "Interrupted",
     "Jump",
+    "LoadCycles",
     "Locus",
     "LocusPoint",
     "LyapunovSpectrum",
@@ -110,6 +113,7 @@ __all__ = [
     "read_results",
     "read_rexs",
     "read_study",
+    "read_table",
 ]
 
 with _box.Box() as _opened:

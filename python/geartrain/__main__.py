@@ -30,6 +30,7 @@ Commands
    geartrain --new case.nml           writes a commented case to begin with; geartrain --help tells the rest
                                       {executable}
    geartrain-page RESULTS.h5          makes a page for a browser of a results file
+   geartrain-report RESULTS.h5 -o R.pdf  writes a report of a results file
    geartrain-rexs GEARBOX.rexs        prints a case of a gearbox that another program has written
    geartrain-study FOLDER             computes the points of a study that are not there yet
    python -m geartrain ...            is geartrain ...

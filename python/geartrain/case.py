@@ -16,6 +16,7 @@ from ._core.table import Found
 from ._core.units import in_own_unit, units_of
 from ._core.watch import watched
 from .pages.page import Page, page
+from .reports.report_file import write_report
 from .results.attractors import Attractors
 from .results.basins import Basins
 from .results.bifurcation_diagram import BifurcationDiagram
@@ -82,16 +83,29 @@ class Results:
     def __str__(self) -> str:
         return self.report()
 
-    def report(self, *, verbose: bool = False) -> str:
+    def report(self, path: str | os.PathLike[str] | None = None, *, verbose: bool = False) -> str:
         """The report that the executable prints, without the time of the run and the file; `str` of results is the same text.
 
         Parameters
         ----------
+        path : path-like, optional
+            Where to write it as a document with the train, the numbers of its drawing, pictures, dynamic factors and what is not
+            modelled: ends in ``.pdf`` or ``.html``; needs matplotlib.
         verbose : bool
             Every peak, jump, special point and range, as with ``--verbose``.
+
+        Raises
+        ------
+        InputError
+            Where the path has another ending.
+        OSError
+            Where it cannot be written.
         """
         with self._filled() as box:
-            return box.report(verbose)
+            text = box.report(verbose)
+        if path is not None:
+            write_report(self, path, text)
+        return text
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the HDF5 file that the executable writes; `read_results` gives the results back.

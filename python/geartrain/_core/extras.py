@@ -9,7 +9,8 @@ __all__ = ["OPTIONAL", "cure", "extra", "missing"]
 
 #: The optional dependencies of pyproject.toml that bring them.
 OPTIONAL = {"matplotlib": "plot", "plotly": "page", "tqdm": "progress", "h5py": "data", "xarray": "data", "pandas": "data",
-            "scipy": "study"}
+            "scipy": "study", "rainflow": "measure", "pyuff": "measure", "asammdf": "measure",
+            "openpyxl": "table"}
 
 
 def extra(module: str) -> Any:

@@ -67,6 +67,10 @@ class Loads:
             found["speed_ratio"] = Entry(self.ratios[place], "speeds of the file")
         return found
 
+    def flow(self, spring: int, first: int) -> float:
+        """Power that the first body gives to a spring."""
+        return float(self.forces[spring] * self.speeds[first])
+
     def power(self, machine: Machine, pair: Pair) -> float:
         """Power that gear_1 of a pair gives to the mesh, seen from the carrier of the pair."""
         link = len(machine.springs) + machine.pairs.index(pair)

@@ -33,7 +33,7 @@ def draft_of(source: Source, title: str) -> Draft:
     for stage in stages:
         draft.add("planetary", str(stage.component), stage.entries)
     for spring in machine.springs:
-        draft.add("shaft", spring.source, _shaft(machine, spring))
+        draft.add("shaft", spring.source, _shaft(machine, loads, spring))
     for pair in machine.pairs:
         if not any(body in sets for body in machine.bodies_of(pair)):
             draft.add("mesh", str(pair.stage), _mesh(machine, loads, pair))
@@ -87,8 +87,10 @@ def _lightest(machine: Machine) -> float:
     return min((value for value in sums if value > 0), default=1e-3)
 
 
-def _shaft(machine: Machine, spring: Spring) -> dict[str, Entry]:
-    entries = {"between": Entry([machine.names[body] for body in spring.bodies], spring.source)}
+def _shaft(machine: Machine, loads: Loads, spring: Spring) -> dict[str, Entry]:
+    """A shaft or a coupling, driving body first."""
+    ends = spring.bodies if loads.flow(machine.springs.index(spring), spring.bodies[0]) >= 0 else spring.bodies[::-1]
+    entries = {"between": Entry([machine.names[body] for body in ends], spring.source)}
     if spring.stiffness is not None:
         entries["stiffness"] = Entry(spring.stiffness, spring.source)
     else:

@@ -18,6 +18,7 @@ from .._core.units import hertz_of, speed_of
 from .._core.warn import warn
 from .._core.watch import quiet, watched
 from ..errors import InputError, SolverError, shown
+from ..files.recording import Channel, Recording, channels_of
 from ..plots.motion_plot import Pictures
 from .motion_check import check_motion, check_states
 from .motion_table import INTEGRATION, motions_dataset, motions_of, put_motions
@@ -34,7 +35,7 @@ _LONGEST = 16  # periods of the fundamental that stand for one period where none
 
 
 @dataclass(frozen=True, eq=False)
-class Motion(Pictures):
+class Motion(Pictures, Recording):
     """A steady motion of a train, whichever method found it. Displacements are over the characteristic length.
 
     Attributes
@@ -282,6 +283,14 @@ class Motion(Pictures):
             )
             shaft, reaction, coupling = np.split(torque, [shafts, shafts + held], axis=1)
             return time, displacement, force, shaft, velocity, reaction, coupling
+
+    def _recorded(self, periods: int, dense: int) -> tuple[Array, list[Channel], bool]:
+        _check_count("periods", periods, 1)
+        own = periods == 1 and dense > 1 and bool(self.period)
+        path = self.trajectory(self.period if own else periods, samples=dense * self._samples())
+        hertz = self.fundamental_frequency or 1.0
+        seconds = path.time * (self.frequency / (2 * np.pi * hertz))
+        return seconds, channels_of(self.train, path.mesh_force, path.shaft_torque), own
 
     def spectrum(self) -> tuple[Array, Array]:
         """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.

@@ -16,10 +16,12 @@ from .._core.description import Description
 from .._core.table import Table
 from .._core.units import Unit, in_own_unit, units_of
 from ..errors import InputError, shown
+from ..files.recording import Channel, Recording, channels_of
 from ..plots.captions import force_unit
 from ..plots.draw import COLORS, draws, new_axes, put_legend
 from ..plots.panels import are_unequal, name_height, new_panels, scale
 from .campbell import exciting_orders
+from .order_cuts import cut_orders
 from .orders import orders_of
 
 if TYPE_CHECKING:
@@ -44,7 +46,7 @@ _SEEN, _DEPTH = 1e-3, 80.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class RunUp(Table):
+class RunUp(Table, Recording):
     """The motion of a train while Lambda goes linearly in time from one value to another.
 
     The speed is prescribed. Forces and torques have the part that accelerates the inertias where every mesh has teeth, which tell
@@ -131,6 +133,40 @@ class RunUp(Table):
         attributes, arrays = self._columns()
         attributes = {name: value for name, value in attributes.items() if value is not None}
         return dataset(self.path, arrays, attributes, ("frequency", "speed", "fundamental_frequency", "window_time"))
+
+    def order_cuts(
+        self, orders: Iterable[float | str] | None = None, *, what: str = "mesh_force", cycles: float | None = None
+    ) -> Dataset:
+        """Amplitude and phase of orders over the speed, as an xarray Dataset; needs xarray.
+
+        Each order is followed by its own phase, in windows of equally many cycles with the weights of Hann.
+
+        Parameters
+        ----------
+        orders : iterable of float or str, optional
+            As in `waterfall`.
+        what : {'mesh_force', 'shaft_torque', 'displacement'}
+        cycles : float, optional
+            Cycles of the fundamental in a window; unless told as many as separate the orders.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``amplitude`` and ``phase`` (order, mesh or shaft, time), with the names of the orders, the speed and the time.
+
+        Examples
+        --------
+        >>> run_up = train.run_up(start=0.4, stop=0.8, duration=0.2)
+        >>> run_up.order_cuts([1, 2]).amplitude.sizes  # doctest: +SKIP
+        Frozen({'order': 2, 'mesh': 2, 'time': 400})
+        """
+        return cut_orders(self, orders, what, cycles)
+
+    def _recorded(self, periods: int, dense: int) -> tuple[Array, list[Channel], bool]:
+        channels = channels_of(self.train, self.mesh_force, self.shaft_torque)
+        if self.speed is not None:
+            channels.append(Channel("speed", "speed", "", "rpm", self.speed))
+        return self.time, channels, False
 
     @draws
     def plot(self, what: str = "mesh_force", ax: Axes | None = None, *, unit: Unit | None = None, **style: Any) -> Axes:

@@ -1,0 +1,1 @@
+"""Results as a report: a document for others, as PDF or HTML."""

@@ -1,0 +1,127 @@
+"""Reports as documents, and the dynamic factor of ISO 6336-1 that stands beside the computed one."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from math import pi, sin
+
+import numpy as np
+import pytest
+from conftest import ROOT, reducer
+
+import geartrain as gt
+from geartrain.reports.kv import Pair, dynamic_factor
+from geartrain.reports.report_command import main
+from geartrain.reports.report_file import _pair
+
+pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+
+
+@pytest.fixture(scope="module", name="results")
+def _results():
+    case = gt.read_case(ROOT / "namelists" / "planetary.nml")
+    return replace(case, response=None, text=case.train.namelist(
+        modes=True, response={"start": 4700.0, "stop": 4720.0, "unit": "rpm", "harmonics": 3})).run()
+
+
+class Reader(HTMLParser):
+    """Headings, cells and pictures of a page; tags that are not closed."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.headings, self.cells, self.pictures = [], [], [], 0
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        if tag == "img":
+            self.pictures += dict(attrs)["src"].startswith("data:image/png;base64,")
+        elif tag != "meta":
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if self.open and self.open[-1] in ("h1", "h2"):
+            self.headings.append(data)
+        if self.open and self.open[-1] in ("td", "th"):
+            self.cells.append(data)
+
+
+@pytest.mark.full  # draws four pictures
+def test_a_report_as_html(results, tmp_path):
+    text = results.report(tmp_path / "a.html")
+    assert text == results.report()  # the path changes nothing of it
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    read = Reader(page)
+    assert read.open == [] and read.pictures == 3 and "http" not in page
+    assert read.headings == ["planetary reducer", "Result", "Response", "Torques of shafts", "Dynamic factors",
+                             "Load sharing of planets", "Modes", "Resonances", "Shafts", "Quality", "Train", "What is not modelled"]
+    assert "held" in read.cells and "mesh 1 to 3" in read.cells
+    factors = results.response.dynamic_factor.max(axis=0)
+    assert f"{factors[0]:.4g}" in read.cells and f"{factors[3]:.4g}" in read.cells
+    assert f"{results.response.train.explain()['mesh 1']['contact_ratio']:.6g}" in read.cells
+
+
+@pytest.mark.full
+def test_a_report_as_pdf(results, tmp_path):
+    results.write(tmp_path / "a.h5")
+    assert main([str(tmp_path / "a.h5")]) == 0
+    data = (tmp_path / "a.pdf").read_bytes()
+    assert data.startswith(b"%PDF-") and len(re.findall(rb"/Type /Page\b", data)) >= 3
+    assert main([str(tmp_path / "a.h5"), "-o", str(tmp_path / "b.pdf")]) == 0
+    assert (tmp_path / "b.pdf").read_bytes() == data  # no date
+
+
+def test_what_is_no_report(results, tmp_path, capsys):
+    for wrong in ("a.txt", "a", "a.h5"):
+        with pytest.raises(gt.InputError, match=r"must end in \.pdf or \.html"):
+            results.report(tmp_path / wrong)
+    assert main([str(tmp_path / "none.h5")]) == 4 and "none.h5" in capsys.readouterr().err
+    with pytest.raises(OSError, match="nowhere"):
+        replace(results, response=None).report(tmp_path / "nowhere" / "a.html")
+
+
+def test_a_report_without_response(results, tmp_path):
+    replace(results, response=None).report(tmp_path / "a.html")
+    read = Reader((tmp_path / "a.html").read_text(encoding="utf-8"))
+    assert "Response" not in read.headings and read.headings[-1] == "What is not modelled" and "Train" in read.headings
+
+
+# K_v of ISO 6336-1:2006, method B.
+
+PAIR = Pair(teeth=20, radii=(0.05, 0.1), inertias=(0.002, 0.03), width=0.04, contact_ratio=1.6, single=1.4e10, mesh=2e10,
+            line_load=2e5, deviation=0.0)
+
+
+def at(pair, ratio):
+    return dynamic_factor(pair, ratio * pair.resonance)[0]
+
+
+def test_ranges_of_the_resonance_ratio():
+    """By the tables of the standard, without deviations: C_v3 = 0.23, C_v4 = 0.90, C_v7 by its sine."""
+    above = 0.125 * sin(pi * (1.6 - 2)) + 0.875
+    assert [at(PAIR, ratio) for ratio in (0.5, 0.85, 1.0, 1.15, 1.325, 1.5, 3.0)] == pytest.approx(
+        [1.115, 1.1955, 1.9, 1.9, (1.9 + above) / 2, above, above], rel=1e-12)
+    errors = replace(PAIR, deviation=5e-6)  # B_p = B_f = 1.4e10 5e-6/2e5 = 0.35
+    assert at(errors, 0.5) == pytest.approx(1 + 0.5 * (0.32 * 0.35 + 0.34 * 0.35 + 0.23))
+    assert at(errors, 2.0) == pytest.approx(0.47 * 0.35 + 0.47 * 0.35 + above)
+    helical = replace(errors, contact_ratio=2.6)
+    assert at(helical, 0.5) == pytest.approx(1 + 0.5 * (0.32 * 0.35 + 0.57 / 2.3 * 0.35 + 0.096 / 1.04))
+    assert at(helical, 1.0) == pytest.approx(1 + 0.32 * 0.35 + 0.57 / 2.3 * 0.35 + (0.57 - 0.13) / 1.16)
+    assert at(helical, 2.0) == pytest.approx(0.47 * 0.35 + 0.12 / 0.86 * 0.35 + 1.0)
+    assert at(replace(PAIR, line_load=2.5e4), 0.7) == pytest.approx(1.9)  # from 0.5 + 0.35 sqrt(25/100) = 0.675 on
+
+
+def test_the_resonance_is_that_of_the_pair_alone():
+    """The natural frequency of two gears and their mesh, at the tooth frequency."""
+    train = reducer()
+    pair = _pair(train, train.explain(), 0)
+    told = train.explain()
+    alone = gt.Train(
+        bodies=[gt.Body(name="a", inertia=told["pinion 1"]["inertia"], torque=1.0),
+                gt.Body(name="b", inertia=told["wheel 1"]["inertia"], balances=True)],
+        meshes=[gt.Mesh(between=("a", "b"), teeth=[23, 71], normal_module=2.5e-3, helix_angle=15.0, face_width=0.04,
+                        stiffness=told["mesh 1"]["stiffness"])])
+    assert pair.resonance * 23 / 60 == pytest.approx(float(alone.natural_frequencies(unit="Hz")[0]), rel=1e-12)
+    assert pair.deviation == 3e-6 and np.isclose(pair.line_load, told["mesh 1"]["line_load"])
