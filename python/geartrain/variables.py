@@ -40,6 +40,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "torque_sin": Variable("torque_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [N m]"),
         "revolution_torque_cos": Variable("revolution_torque_cos", "reals", "Series", None, False, "Cosine amplitudes of the torque on the body, orders 1, 2, ... of its revolution, of a planet against its carrier; every mesh must have teeth; [N m]"),
         "revolution_torque_sin": Variable("revolution_torque_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [N m]"),
+        "torque_table": Variable("torque_table", "reals", "Series", None, False, "Torque at 4 or more equidistant angles of torque_revolutions from the beginning, joined by a trigonometric polynomial; adds to the other torques; every mesh must have teeth; [N m]"),
+        "torque_revolutions": Variable("torque_revolutions", "integer", "int", 1, False, "Revolutions over which torque_table goes; 2: four strokes; >= 1 and <= 2"),
         "damping_to_ground": Variable("damping_to_ground", "real", "float", 0.0, False, "Damping of the vibration of the body against the ground; give a mean drag as torque; [N m s/rad]; >= 0"),
         "stiffness_to_ground": Variable("stiffness_to_ground", "real", "float", 0.0, False, "Stiffness of a spring between the body and the ground; it bears a mean torque, and the body cannot turn; [N m/rad]; >= 0"),
         "held": Variable("held", "logical", "bool", False, False, "The body stands still, as a housing; its reaction torque is a result"),
@@ -138,6 +140,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "phase": Variable("phase", "real", "float", 0.0, False, "Lag of kappa and of all errors, in the mesh cycle; [rad]"),
         "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; its sign and phase against the stiffness matter; [m]"),
         "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
+        "error_table": Variable("error_table", "reals", "Series", None, False, "Transmission error at 4 or more equidistant instants of a mesh cycle, joined by a trigonometric polynomial, in place of error_cos and error_sin; its mean adds to error_mean; [m]; >= -1 and <= 1"),
         "error_mean": Variable("error_mean", "real", "float", 0.0, False, "Constant part of the transmission error, of placement and tooth thickness; positive: towards contact of the drive flanks. It matters in loops of gears alone, as between planets; [m]"),
         "driving_pitch_error": Variable("driving_pitch_error", "reals", "Series", None, False, "Cumulative pitch errors of the driving gear, one a tooth in the order in which the teeth engage, along the line of action, joined by a trigonometric polynomial; positive: towards the mate. Every mesh must have teeth; [m]; >= -1 and <= 1"),
         "driving_runout": Variable("driving_runout", "real", "float", 0.0, False, "Amplitude of the error by eccentricity of the driving gear, along the line of action, once a revolution; [m]; >= 0 and <= 1"),
@@ -288,6 +291,8 @@ class Body(Part, variables=VARIABLES["body"]):
     torque_sin: Series | None = None
     revolution_torque_cos: Series | None = None
     revolution_torque_sin: Series | None = None
+    torque_table: Series | None = None
+    torque_revolutions: int | None = None
     damping_to_ground: float | None = None
     stiffness_to_ground: float | None = None
     held: bool | None = None
@@ -398,6 +403,7 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     phase: float | None = None
     error_cos: Series | None = None
     error_sin: Series | None = None
+    error_table: Series | None = None
     error_mean: float | None = None
     driving_pitch_error: Series | None = None
     driving_runout: float | None = None

@@ -197,3 +197,17 @@ def test_runout_as_a_parameter():
         changed = train.with_values({name: train.meshes[0].driving_runout + step if "runout" in name else 1e-6 + step})
         other = changed.response(start=speed, stop=1.0001 * speed, harmonics=0, max_points=2, refine=False).at(speed)[0]
         assert np.ravel(gradient)[0] == pytest.approx((other.rms[0] - motion.rms[0]) / step, rel=1e-3)
+
+
+def test_sidebands_have_owners():
+    """The errors have orders up to 10 of the pinion: 19, 21 and 39 come from their product with the stiffness."""
+    pytest.importorskip("xarray")
+    speed = 0.37 * OWN_SPEED / TEETH
+    train = pair(driving_pitch_error=PITCH)
+    branch = train.response(start=speed, stop=1.0001 * speed, harmonics=0, tolerance=1e-8, max_points=2)
+    table = branch.at(speed)[0].orders(1e-9)
+    owner = dict(zip(table.order.values.tolist(), table.owner.values.tolist(), strict=True))
+    assert owner[1] == "pinion" and owner[3] == "3 x pinion" and owner[20] == "mesh 1" and owner[40] == "2 x mesh 1"
+    assert owner[19] == "1 x mesh 1 - 1 x pinion" and owner[22] == "1 x mesh 1 + 2 x pinion"
+    assert owner[39] == "2 x mesh 1 - 1 x pinion" and owner[25] == "1 x mesh 1 + 5 x pinion"
+    assert table.amplitude.dims == ("order", "mesh") and table.per_revolution.values.tolist() == table.order.values.tolist()

@@ -31,7 +31,7 @@ class Excitation:
     order : int
         In multiples of the fundamental.
     name : str
-        ``'2 x mesh 1'``, ``'torque on motor'``.
+        ``'2 x mesh 1'``, ``'torque on motor'``, ``'3 x revolution of pinion'``.
     element : str
         ``'mesh 1'``, or the name of the body on which the torque acts.
     amplitude : float
@@ -48,22 +48,50 @@ class Excitation:
 def excitations(train: Description) -> Iterator[Excitation]:
     """Harmonics with an amplitude: of mesh stiffness, transmission error and torques."""
     numbers = train.explain()
-    for number, mesh in enumerate(train.meshes, 1):
+    for number in range(1, len(train.meshes) + 1):
         about = numbers[f"mesh {number}"]
         stiffness = _amplitudes(about.get("stiffness_cos"), about.get("stiffness_sin"))
-        error = _amplitudes(mesh.error_cos, mesh.error_sin)
+        error = _amplitudes(about.get("error_cos"), about.get("error_sin"))
         harmonics = max(len(stiffness), len(error))
         stiffness, error = (np.pad(values, (0, harmonics - len(values))) for values in (stiffness, error))
         force = about["stiffness"] * error + abs(about.get("mean_force", 0.0)) * stiffness
         yield from _harmonics(f"mesh {number}", f"mesh {number}", about["order"], force, np.maximum(stiffness, error))
+        for place, which in enumerate(("driving", "driven")):
+            error = _amplitudes(about.get(f"{which}_error_cos"), about.get(f"{which}_error_sin"))
+            gear = f"revolution of {gear_names(train, number)[place]}"
+            order = about.get(f"{which}_revolution_order", 1)
+            yield from _harmonics(gear, f"mesh {number}", order, about["stiffness"] * error, error)
     for body in train.bodies:
         name = str(body.name)
         torque = _amplitudes(body.torque_cos, body.torque_sin)
         yield from _harmonics(f"torque on {name}", name, 1, torque, torque)
         torque = _amplitudes(body.revolution_torque_cos, body.revolution_torque_sin)
-        yield from _harmonics(f"revolution of {name}", name, numbers.get(name, {}).get("revolution_order", 1), torque, torque)
+        turn = numbers.get(name, {}).get("revolution_order", 1)
+        yield from _harmonics(f"revolution of {name}", name, turn, torque, torque)
+        yield from _of_table(name, turn, body)
     torque = _amplitudes(train.torque_cos, train.torque_sin)
     yield from _harmonics("input torque", train.body_labels[0], 1, torque, torque)
+
+
+def gear_names(train: Description, mesh: int) -> tuple[str, str]:
+    """Bodies of the driving and the driven gear of a mesh, from 1."""
+    between = train.meshes[mesh - 1].between
+    return (between[0], between[1]) if between else (train.body_labels[2 * mesh - 1], train.body_labels[2 * mesh])
+
+
+def _of_table(name: str, turn: int, body: Any) -> Iterator[Excitation]:
+    """Harmonics of a torque over one revolution or two: of two with half orders."""
+    if body.torque_table is None or not len(body.torque_table):
+        return
+    table = np.asarray(body.torque_table, float)
+    revolutions = body.torque_revolutions or 1
+    torque = np.abs(np.fft.rfft(table)) * 2 / len(table)
+    if len(table) % 2 == 0:
+        torque[-1] /= 2
+    for harmonic in np.flatnonzero(torque > _LEAST * torque.max()):
+        if harmonic:
+            words = "" if harmonic == revolutions else f"{harmonic / revolutions:g} x "
+            yield Excitation(int(harmonic * turn // revolutions), f"{words}revolution of {name}", name, float(torque[harmonic]))
 
 
 def _amplitudes(cosine: Any, sine: Any) -> Array:

@@ -22,6 +22,7 @@ from ..files.recording import Channel, Recording, channels_of
 from ..plots.motion_plot import Pictures
 from .motion_check import check_motion, check_states
 from .motion_table import INTEGRATION, motions_dataset, motions_of, put_motions
+from .order_table import order_table
 from .trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -311,6 +312,16 @@ class Motion(Pictures, Recording):
         cosine, sine = self.coefficients[:, 1::2], self.coefficients[:, 2::2]
         order = np.arange(1, cosine.shape[1] + 1) / (self.period or self.window or _LONGEST)
         return order, np.hypot(cosine, sine).T
+
+    def orders(self, least: float = 1e-3) -> Dataset:
+        """The orders of the motion with their owners, ``'2 x mesh 1 - 1 x pinion'``; needs xarray.
+
+        Parameters
+        ----------
+        least : float
+            Amplitude below which an order is left out, over the largest amplitude of the mesh.
+        """
+        return order_table(self, least)
 
     def refine(self) -> Motion:
         """The same orbit to integration accuracy (about 1e-11), by shooting with exact contact events.

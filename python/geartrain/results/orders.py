@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable
-from itertools import permutations
+from itertools import permutations, product
 
 from .._core.description import Description
 from ..errors import InputError, shown
+from .excitation import gear_names
 
-__all__ = ["named_orders", "orders_of"]
+__all__ = ["named_orders", "orders_of", "owners_of"]
 
 _MULTIPLES, _SUMS = 8, 5  # largest multiple of a mesh order; largest of both multiples of a sum or difference
+_SIDEBANDS = 3  # sidebands on either side that have names
 
 
 def named_orders(train: Description) -> dict[float, str]:
-    """Names of orders, in multiples of the fundamental: of the meshes, their multiples, sums and differences, and of revolutions.
+    """Names of orders, in multiples of the fundamental: of meshes, multiples, sums, differences, sidebands, and of revolutions.
 
     Empty where all meshes have the order 1 and the speed is not known: each order is a multiple of the fundamental then.
     """
@@ -32,6 +34,10 @@ def named_orders(train: Description) -> dict[float, str]:
             known.append((times + others, times * base - others * other, f"{name} - {second}"))
             if base > other:
                 known.append((times + others, times * base + others * other, f"{name} + {second}"))
+    for number, gear, mesh, turn in gears_with_errors(train):
+        for times, far, side in product(range(1, _MULTIPLES + 1), range(1, _SIDEBANDS + 1), (1, -1)):
+            name = f"{times} x mesh {number} {'+' if side > 0 else '-'} {far} x {gear}"
+            known.append((times + far + 1, times * mesh + side * far * turn, name))
     # Of two names of an order the simpler one comes last, and stays.
     named = {float(order): name for _, order, name in sorted(known, reverse=True) if order > 0}
     numbers = train.explain()
@@ -41,6 +47,37 @@ def named_orders(train: Description) -> dict[float, str]:
         if turns and turns not in meshes:
             bodies[turns] = f"{bodies[turns]}, {body}" if turns in bodies else body
     return {**named, **bodies}
+
+
+def gears_with_errors(train: Description) -> list[tuple[int, str, int, int]]:
+    """Number of the mesh, name of the gear, orders of the mesh and of the revolution of the gear, of gears with errors."""
+    numbers = train.explain()
+    found = []
+    for number in range(1, len(train.meshes) + 1):
+        about = numbers[f"mesh {number}"]
+        for name, which in zip(gear_names(train, number), ("driving", "driven"), strict=True):
+            if f"{which}_revolution_order" in about:
+                found.append((number, name, int(about["order"]), int(about[f"{which}_revolution_order"])))
+    return found
+
+
+def owners_of(train: Description, orders: Iterable[float], names: dict[float, str]) -> list[str]:
+    """What each order comes from: its name, or the nearest sideband that it is; ``''`` where nothing is known."""
+    gears = gears_with_errors(train)
+    exact = {round(order, 6): name for order, name in names.items()}
+
+    def owner(order: float) -> str:
+        sidebands = []
+        for number, gear, mesh, turn in gears:
+            times = round(order / mesh)
+            far = (order - times * mesh) / turn
+            if abs(far - round(far)) < 1e-6:
+                turns = f"{abs(round(far))} x {gear}"
+                name = f"{times} x mesh {number} {'+' if far > 0 else '-'} {turns}" if times else turns
+                sidebands.append((abs(far), name))
+        return min(sidebands)[1] if sidebands else ""
+
+    return [exact.get(round(float(order), 6)) or owner(float(order)) for order in orders]
 
 
 def orders_of(train: Description | None, orders: Iterable[float | str] | None) -> dict[float, str]:

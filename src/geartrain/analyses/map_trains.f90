@@ -82,10 +82,10 @@ contains
 
       moves = .not. (has_word('half_backlash') .or. has_word('backlash') .or. has_word('half_play') .or. has_word('torque_cos') &
                      .or. has_word('torque_sin') .or. has_word('error_cos') .or. has_word('error_sin') &
-                     .or. has_word('revolution_torque_cos') .or. has_word('revolution_torque_sin') &
+                     .or. has_word('error_table') .or. has_word('revolution_torque_cos') .or. has_word('revolution_torque_sin') &
                      .or. index(name, 'driving_error_') > 0 .or. index(name, 'driven_error_') > 0 &
                      .or. index(name, 'pitch_error') > 0 .or. index(name, 'runout') > 0)
-      if (has_word('input_torque') .or. has_word('torque')) moves = any(train%meshes%face_width > 0)
+      if (has_word('input_torque') .or. has_word('torque') .or. has_word('torque_table')) moves = any(train%meshes%face_width > 0)
 
    contains
 

@@ -5,7 +5,7 @@ module geartrain_drawing_check_drawing
    use geartrain_base_numbers, only: integer_text, ordinal, real_text, text
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, pair_of
    use geartrain_drawing_gear_pair, only: find_geometry, pair_geometry_type
-   use geartrain_train_body, only: body_type
+   use geartrain_train_body, only: body_type, has_table_of_torque, pulses
    use geartrain_train_gear_error, only: first_variable, gear_words, has_gear_error
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, most_order
@@ -17,6 +17,8 @@ module geartrain_drawing_check_drawing
 
    !> Rounding of a drawing: by how much the flanks may overlap, over the module, and relative to a ratio of radii [1].
    real(dp), parameter :: rounding = 1e-3_dp
+   !> Mean of a table that is rounding, over its largest value [1].
+   real(dp), parameter :: rounding_of_mean = 1e-9_dp
    !> Beyond it no gear is made [m]; ISO 54 ends at 0.05.
    real(dp), parameter :: largest_module = 1
    !> Sum of profile shifts that gears are hardly made with [1].
@@ -67,6 +69,16 @@ contains
       else if (.not. is_given(body%width) .and. (is_given(body%bore) .or. is_given(body%density))) then
          call checker%lacks('outer_diameter', '> 0 m', ' and width, to which bore and density belong')
       end if
+      if (.not. has_table_of_torque(body)) then
+         if (body%torque_revolutions /= 1) call checker%lacks('torque_table', 'N m', ', to which torque_revolutions belongs')
+         return
+      end if
+      associate (table => body%torque_table)
+         if (size(table) < 4) call checker%complain('torque_table', integer_text(size(table))//' values', 'must be at least 4')
+         if (.not. body%balances .or. abs(sum(table)) <= size(table)*rounding_of_mean*maxval(abs(table))) return
+         call checker%complain('torque_table', 'with a mean of '//text(sum(table)/size(table))//' N m', 'contradicts balances = &
+                               &.true.: its mean torque follows from the others; subtract the mean from the table')
+      end associate
    end subroutine check_body
 
    subroutine check_shaft(shaft, checker)
@@ -256,6 +268,7 @@ contains
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
       type(kinematics_type) :: found
+      character(24) :: name
       logical :: toothed, unknown
       integer :: i, gear
 
@@ -276,11 +289,12 @@ contains
          do i = 1, size(train%bodies)
             ! A plain train has no teeth any more, but the speed that followed from them.
             if (toothed .or. unknown .or. train%speed_ratio > 0) cycle
-            if (.not. (is_given(train%bodies(i)%revolution_torque_cos) .or. &
-                       is_given(train%bodies(i)%revolution_torque_sin))) cycle
+            if (.not. pulses(train%bodies(i))) cycle
             call checker%enter('body', i)
-            call checker%complain(trim(merge('revolution_torque_cos', 'revolution_torque_sin', &
-                                             is_given(train%bodies(i)%revolution_torque_cos))), '...', &
+            name = 'revolution_torque_sin'
+            if (is_given(train%bodies(i)%revolution_torque_cos)) name = 'revolution_torque_cos'
+            if (has_table_of_torque(train%bodies(i))) name = 'torque_table'
+            call checker%complain(trim(name), '...', &
                                   'must be left out unless every mesh has teeth, which tell how often the body turns')
             call checker%leave()
          end do

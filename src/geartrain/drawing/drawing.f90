@@ -9,7 +9,7 @@ module geartrain_drawing_drawing
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, gear_pair_type, light_load, pair_geometry_type, &
       pair_stiffness_type, rectangular_wave
    use geartrain_train_bodies, only: find_ends
-   use geartrain_train_body, only: body_type
+   use geartrain_train_body, only: body_type, plain_torque
    use geartrain_train_gear_error, only: make_plain
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: has_table, is_given, mesh_type, plain_coupling, plain_mesh
@@ -38,6 +38,11 @@ contains
 
       plain = train
       if (.not. allocated(train%meshes) .or. .not. allocated(train%shafts)) return
+      if (allocated(train%bodies)) then
+         do i = 1, size(train%bodies)
+            call plain_torque(plain%bodies(i))
+         end do
+      end if
       call put_orders(train, plain)
       call put_inertias(train, plain)
       do i = 1, size(train%shafts)

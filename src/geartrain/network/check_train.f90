@@ -175,6 +175,12 @@ contains
       else
          call checker%lacks('stiffness', '> 0 N/m', ' or stiffness_table, or teeth, normal_module and face_width')
       end if
+      if (is_given(mesh%error_table)) then
+         if (size(mesh%error_table) < 4) &
+            call checker%complain('error_table', integer_text(size(mesh%error_table))//' values', 'must be at least 4')
+         if (is_given(mesh%error_cos) .or. is_given(mesh%error_sin)) &
+            call checker%complain('error_table', '...', 'contradicts error_cos, error_sin: leave out one of the two')
+      end if
       if (.not. has_geometry(mesh) .and. .not. wrong) then
          if (.not. abs(mesh%driving_radius) > 0) call checker%lacks('driving_radius', '> 0 m', instead)
          if (.not. abs(mesh%driven_radius) > 0) call checker%lacks('driven_radius', '> 0 m', instead)

@@ -9,6 +9,7 @@ module geartrain_network_parameter
    use geartrain_base_series, only: make_series, series_type
    use geartrain_network_modal_damping, only: damps_by_modes
    use geartrain_network_parameter_table, only: entry_type, parameter_type, table_type
+   use geartrain_train_body, only: has_table_of_torque
    use geartrain_train_gear_error, only: has_gear_error
    use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
@@ -145,7 +146,7 @@ contains
       end if
       parameter%unit = row%unit
       parameter%plain = any(plain_variables == parameter%variable)
-      parameter%direct = parameter%plain
+      parameter%direct = parameter%plain .and. .not. adds_to_table()
       if (parameter%direct .and. .not. (is_given(row) .and. abs(parameter%value) > 0)) then
          call derived%find(parameter, found, of_plain, value)
          parameter%derived = is_given(of_plain) .and. (.not. is_given(row) .or. abs(value) > 0)
@@ -156,8 +157,8 @@ contains
       if (any(train%meshes%face_width > 0)) parameter%direct = .false.
       if (any(turned_variables == parameter%variable) .and. any(abs(train%meshes%phase) > 0)) parameter%direct = .false.
       if (any(summed_variables == parameter%variable)) then
-         if (any(has_gear_error(train%meshes%gear_error(1)) .or. has_gear_error(train%meshes%gear_error(2)))) &
-            parameter%direct = .false.
+         if (any(has_gear_error(train%meshes%gear_error(1)) .or. has_gear_error(train%meshes%gear_error(2)) .or. &
+                 [(allocated(train%meshes(at)%error_table), at=1, size(train%meshes))])) parameter%direct = .false.
       end if
       ! Damping that follows from the modes changes with every number that they follow from.
       if (damps_by_modes(train) .and. any(modal_variables == parameter%variable)) parameter%direct = .false.
@@ -188,6 +189,13 @@ contains
       end if
 
    contains
+
+      !> Whether the torque of a table adds to the parameter.
+      logical function adds_to_table()
+         adds_to_table = .false.
+         if (parameter%group /= 'body' .or. index(parameter%variable, 'torque') == 0) return
+         adds_to_table = any(has_table_of_torque(train%bodies))
+      end function adds_to_table
 
       subroutine refuse(why)
          character(*), intent(in) :: why

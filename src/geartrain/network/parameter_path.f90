@@ -149,6 +149,9 @@ contains
             ! In the plain train these have the phase already.
             if (allocated(own%error_cos)) mesh%error_cos = own%error_cos
             if (allocated(own%error_sin)) mesh%error_sin = own%error_sin
+            if (allocated(mesh%error_table)) deallocate (mesh%error_table)
+            mesh%gear_error = own%gear_error
+            mesh%error_mean = own%error_mean
             mesh%phase = 0
          end associate
       end do

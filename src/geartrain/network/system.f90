@@ -18,7 +18,8 @@ module geartrain_network_system
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_light_loads, only: reduce_light_loads
    use geartrain_train_mesh_groups, only: mesh_word
-   use geartrain_train_mesh, only: coupling_radius, is_given, put_law
+   use geartrain_train_body, only: pulses
+   use geartrain_train_mesh, only: coupling_radius, put_law
    use geartrain_network_modal_damping, only: resolve_damping
    use geartrain_network_network, only: accelerate, build_network, network_type
    use geartrain_network_rest, only: rest_forces
@@ -274,8 +275,7 @@ contains
       associate (bc => train%characteristic_length)
          if (allocated(train%bodies)) then
             n = size(train%bodies)
-            turning = pack([(j, j=1, n)], [(is_given(train%bodies(j)%revolution_torque_cos) .or. &
-                                            is_given(train%bodies(j)%revolution_torque_sin), j=1, n)])
+            turning = pack([(j, j=1, n)], pulses(train%bodies))
             system%torque_body = [(j, j=1, n), turning]
             allocate (system%torque(n + size(turning)))
             do j = 1, n

@@ -12,6 +12,7 @@ module geartrain_report_drawing_warnings
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
    use geartrain_network_light_loads, only: reduce_light_loads
+   use geartrain_train_gear_error, only: gear_words
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
    use geartrain_train_mesh_groups, only: group_name, group_number
@@ -317,6 +318,7 @@ contains
       type(pair_geometry_type) :: geometry
       type(pair_stiffness_type) :: stiffness
       real(dp) :: gap
+      integer :: gear
 
       if (mesh%helix_angle > 0 .and. mesh%helix_angle < 1) call add('helix_angle', mesh%helix_angle, 'the unit is the degree')
       if (.not. mesh%damping_given) call warn_of_damping(mesh%damping_ratio, 'mesh', i, warnings)
@@ -353,6 +355,16 @@ contains
          end if
          call warn_of_error('error_cos', mesh%error_cos)
          call warn_of_error('error_sin', mesh%error_sin)
+         call warn_of_error('error_table', mesh%error_table)
+         do gear = 1, 2
+            associate (error => mesh%gear_error(gear))
+               call warn_of_error(trim(gear_words(gear))//'_pitch_error', error%pitch)
+               call warn_of_error(trim(gear_words(gear))//'_error_cos', error%cosine)
+               call warn_of_error(trim(gear_words(gear))//'_error_sin', error%sine)
+               if (error%runout > max(gap, mesh%normal_module/10)) call add(trim(gear_words(gear))//'_runout', error%runout, &
+                  'more than the backlash and a tenth of the module; '//in_metres//'(10 um are 10e-6)')
+            end associate
+         end do
       end associate
 
    contains

@@ -1,12 +1,11 @@
 !> What a train is in numbers: what is derived from the drawing, each number with its formula and source, and warnings where a
 !> formula is used outside the range that its source gives.
 module geartrain_report_explain
-   use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_field, only: field_type, text_type
    use geartrain_base_fields, only: fields_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: counted, integer_text, ordinal, short => text
+   use geartrain_base_numbers, only: counted, integer_text, short => text
    use geartrain_drawing_drawing, only: gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, pair_geometry_type, pair_stiffness_type
    use geartrain_network_frequency_unit, only: speed_per_lambda
@@ -14,12 +13,12 @@ module geartrain_report_explain
    use geartrain_network_system, only: build_system, system_type
    use geartrain_report_drawing_warnings, only: find_warnings
    use geartrain_report_explain_coupling, only: explain_coupling
-   use geartrain_report_explain_errors, only: explain_errors
+   use geartrain_report_explain_errors, only: explain_errors, explain_teeth
    use geartrain_report_explain_damping, only: damping_explanation_type
    use geartrain_report_explain_planetary, only: explain_set
    use geartrain_train_bodies, only: find_ends
-   use geartrain_train_gear_error, only: has_gear_error
-   use geartrain_train_kinematics, only: all_toothed, find_kinematics, greatest_divisor, kinematics_type
+   use geartrain_train_body, only: has_table_of_torque
+   use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_train_mesh, only: has_table, is_given, mesh_type
    use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
@@ -162,9 +161,9 @@ contains
                return
             end do
          end if
-         words = integer_text(int(k%fundamental(2)))
-         if (k%fundamental(1) /= 1) words = words//'/'//integer_text(int(k%fundamental(1)))
-         words = words//' of a turn of '//trim(speed_name(context))
+         words = counted(int(k%fundamental(2)), 'turn', 'turns')//' of '//trim(speed_name(context))
+         if (k%fundamental(1) /= 1) words = integer_text(int(k%fundamental(2)))//'/'//integer_text(int(k%fundamental(1)))// &
+                                            ' of a turn of '//trim(speed_name(context))
       end associate
    end subroutine tell_fundamental
 
@@ -184,6 +183,7 @@ contains
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       character(:), allocatable :: words
       real(dp) :: turns, added
+      integer :: order
 
       added = context%given%bodies(i)%added_inertia
       associate (body => context%given%bodies(i), k => context%kinematics)
@@ -207,8 +207,10 @@ contains
          if (.not. k%known) return
          turns = abs(k%turning%speed(i))
          call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth'), turns)
-         if (k%revolution_order(i) > 0) call carry(fields, field_type('revolution_order', '', '1', 'its revolution (of a planet &
-            &against its carrier) over the fundamental'), k%revolution_order(i))
+         order = k%revolution_order(i)
+         if (has_table_of_torque(body)) order = order*body%torque_revolutions
+         if (order > 0) call carry(fields, field_type('revolution_order', '', '1', 'its revolution (of a planet &
+            &against its carrier) over the fundamental'), order)
       end associate
    end subroutine explain_body
 
@@ -328,16 +330,7 @@ contains
          orders = plain%order*excited(plain)
          if (size(orders) > 0) call carry(fields, field_type('excited_orders', 'harmonic', '1', 'multiples of the fundamental &
             &with an amplitude of its stiffness or transmission error'), orders)
-         if (context%toothed) then
-            call tell_teeth(nint(mesh%teeth), words)
-            if (has_gear_error(plain%gear_error(1)) .or. has_gear_error(plain%gear_error(2))) then
-               call carry_text(fields, field_type('tooth_ratio', '', '', 'the teeth have errors: the motion repeats with the &
-                  &fundamental'), words)
-            else
-               call carry_text(fields, field_type('tooth_ratio', '', '', 'the model has identical teeth: the motion repeats with &
-                  &the fundamental, before the same teeth meet again'), words)
-            end if
-         end if
+         if (context%toothed) call explain_teeth(mesh, fields)
          words = 'static, from the mean torques of the bodies'
          if (force < 0) words = words//'; negative: the second body drives the first, and the back flanks bear the load'
          call carry(fields, field_type('mean_force', '', 'N', words), force)
@@ -370,23 +363,6 @@ contains
       has = .false.
       if (count_of(list) >= h) has = abs(list(h)) > 1e-12_dp
    end function has
-
-   !> How the teeth of a pair meet, in words.
-   subroutine tell_teeth(teeth, words)
-      integer, intent(in) :: teeth(2)
-      character(:), allocatable, intent(out) :: words
-      integer :: common
-
-      common = int(greatest_divisor(int(teeth(1), int64), int(teeth(2), int64)))
-      words = integer_text(teeth(1))//':'//integer_text(teeth(2))
-      if (common == 1) then
-         words = words//', hunting: no common divisor, every tooth meets every tooth of the mate'
-      else
-         words = words//', not hunting: common divisor '//integer_text(common)//', a tooth meets only every '//ordinal(common) &
-                 //' tooth of the mate'
-      end if
-      words = words//'; two teeth meet again after '//counted(teeth(2)/common, 'turn', 'turns')//' of the driving gear'
-   end subroutine tell_teeth
 
    !> 'as given' for a value that is, else the formula.
    pure function source(given, formula) result(words)

@@ -2,10 +2,11 @@
 module geartrain_report_sources
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
-   use geartrain_base_series, only: series_type
+   use geartrain_base_series, only: make_series, series_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_system, only: build_system, system_type
-   use geartrain_train_bodies, only: body_count
+   use geartrain_train_bodies, only: body_count, find_ends
+   use geartrain_train_body, only: has_table_of_torque
    use geartrain_train_kinematics, only: find_kinematics, kinematics_type
    use geartrain_train_labels, only: body_labels, label_length
    use geartrain_train_names, only: list_numbers
@@ -24,6 +25,11 @@ module geartrain_report_sources
       !> Variation of the stiffness and transmission error, (mesh); torques, (torque), and their bodies.
       type(series_type), allocatable :: variation(:), transmission_error(:), torque(:)
       integer, allocatable :: torque_body(:)
+      !> Revolutions of a body in the cycle of its torque, (body).
+      integer, allocatable :: revolutions(:)
+      !> Errors of the gears of each mesh, (gear, mesh), and the bodies that these are.
+      type(series_type), allocatable :: gear_error(:, :)
+      integer, allocatable :: gear_body(:, :), gear_order(:, :)
       !> Names of the bodies.
       character(label_length), allocatable :: bodies(:)
    contains
@@ -41,7 +47,8 @@ contains
       type(system_type) :: system
       type(train_type) :: plain
       type(kinematics_type) :: kinematics
-      integer :: j
+      integer, allocatable :: shaft_ends(:, :)
+      integer :: gear, j
 
       call plain_train(train, plain)
       call build_system(train, system)
@@ -49,6 +56,19 @@ contains
       sources%mesh_order = merge(0, plain%meshes%order, plain%meshes%is_coupling)
       allocate (sources%body_order(body_count(train)), source=0)
       if (kinematics%known) sources%body_order = kinematics%revolution_order
+      allocate (sources%revolutions(size(sources%body_order)), source=1)
+      if (allocated(train%bodies)) &
+         where (has_table_of_torque(train%bodies)) sources%revolutions = train%bodies%torque_revolutions
+      call find_ends(train, shaft_ends, sources%gear_body)
+      allocate (sources%gear_error(2, system%meshes), sources%gear_order(2, system%meshes))
+      do j = 1, system%meshes
+         do gear = 1, 2
+            associate (error => plain%meshes(j)%gear_error(gear))
+               sources%gear_error(gear, j) = make_series(error%cosine, error%sine, 1.0_dp, error%order)
+               sources%gear_order(gear, j) = error%order
+            end associate
+         end do
+      end do
       sources%torque = system%torque
       sources%torque_body = system%torque_body
       sources%transmission_error = system%transmission_error
@@ -88,8 +108,10 @@ contains
             if (any(is_there)) call add_meshes(multiple, is_there, words)
          end do
          if (pass == 1) call add_torques(self, whole, words)
+         if (pass == 1) call add_gears(self, whole, words)
          if (pass == 2 .and. words /= '') words = words//' (by its nonlinearity)'
       end do
+      if (words == '') call find_sideband(self, whole, words)
       if (words == '') words = 'no single source'
    end subroutine name
 
@@ -119,7 +141,7 @@ contains
          associate (body => self%torque_body(i))
             n = order
             if (self%body_order(body) > 0) n = order/self%body_order(body)
-            if (n > 1) words = words//text(n)//' x '
+            if (n /= self%revolutions(body)) words = words//text(real(n, dp)/self%revolutions(body))//' x '
             if (self%body_order(body) > 0) then
                words = words//'revolution of '//trim(self%bodies(body))
             else
@@ -128,6 +150,62 @@ contains
          end associate
       end do
    end subroutine add_torques
+
+   !> Adds the gears with errors.
+   subroutine add_gears(self, order, words)
+      class(sources_type), intent(in) :: self
+      integer, intent(in) :: order
+      character(:), allocatable, intent(inout) :: words
+      character(:), allocatable :: one
+      integer :: gear, j
+
+      do j = 1, size(self%gear_error, 2)
+         do gear = 1, 2
+            if (.not. excites(self%gear_error(gear, j), order)) cycle
+            call turns_of(self, gear, j, order, one)
+            if (index('; '//words//';', '; '//one//';') > 0) cycle
+            if (words /= '') words = words//'; '
+            words = words//one
+         end do
+      end do
+   end subroutine add_gears
+
+   !> A multiple of the revolution of a gear: '3 x revolution of pinion'.
+   subroutine turns_of(self, gear, mesh, order, words)
+      class(sources_type), intent(in) :: self
+      integer, intent(in) :: gear, mesh
+      !> Of the fundamental.
+      integer, intent(in) :: order
+      character(:), allocatable, intent(out) :: words
+
+      words = 'revolution of '//trim(self%bodies(self%gear_body(gear, mesh)))
+      if (order /= self%gear_order(gear, mesh)) words = text(real(order/self%gear_order(gear, mesh), dp))//' x '//words
+   end subroutine turns_of
+
+   !> The nearest multiple of a mesh frequency whose gear has errors, of which an order is a sideband: '2 x mesh 1 - revolution of
+   !> pinion'; '' where there is none.
+   subroutine find_sideband(self, order, words)
+      class(sources_type), intent(in) :: self
+      integer, intent(in) :: order
+      character(:), allocatable, intent(inout) :: words
+      character(:), allocatable :: one
+      integer :: distance, gear, j, multiple, nearest
+
+      nearest = huge(1)
+      do j = 1, size(self%gear_error, 2)
+         do gear = 1, 2
+            if (size(self%gear_error(gear, j)%harmonic) == 0) cycle
+            multiple = max(1, nint(real(order, dp)/self%mesh_order(j)))
+            distance = order - multiple*self%mesh_order(j)
+            if (mod(distance, self%gear_order(gear, j)) /= 0) cycle
+            if (abs(distance/self%gear_order(gear, j)) >= nearest) cycle
+            nearest = abs(distance/self%gear_order(gear, j))
+            call turns_of(self, gear, j, abs(distance), one)
+            words = 'mesh '//text(j)//trim(merge(' +', ' -', distance > 0))//' '//one
+            if (multiple > 1) words = text(multiple)//' x '//words
+         end do
+      end do
+   end subroutine find_sideband
 
    !> Whether a series has an amplitude at a harmonic of the fundamental.
    pure logical function excites(series, order)

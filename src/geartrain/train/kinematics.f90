@@ -8,6 +8,7 @@ module geartrain_train_kinematics
    use geartrain_base_kinds, only: dp
    use geartrain_train_nearby_orders, only: find_nearby_orders
    use geartrain_train_bodies, only: body_count, find_carriers, find_ends
+   use geartrain_train_body, only: has_table_of_torque, pulses
    use geartrain_train_gear_error, only: has_gear_error
    use geartrain_train_mesh, only: is_given, mesh_type
    use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
@@ -30,7 +31,8 @@ module geartrain_train_kinematics
       integer(int64), allocatable :: rate(:, :)
       integer(int64) :: fundamental(2) = [1_int64, 1_int64]
       !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); revolution_order is 0 where the
-      !> body has no torque of its own revolution. A planet revolves against its carrier: so its teeth and its bearing pass.
+      !> body has no torque of its own revolution, and the order of two revolutions where its torque repeats itself so. A planet
+      !> revolves against its carrier: so its teeth and its bearing pass.
       integer, allocatable :: order(:), revolution_order(:)
       !> The mesh frequencies are not quite those of the teeth, so that their period has fewer cycles: order of each mesh by
       !> the teeth, (mesh), and largest relative error of a frequency [1]; not allocated and 0 where they are exact.
@@ -105,6 +107,14 @@ contains
             end associate
          end do
       end do
+      if (allocated(train%bodies)) then
+         do i = 1, size(train%bodies)
+            if (.not. has_table_of_torque(train%bodies(i))) cycle
+            ! So often the table is gone through.
+            revolving(2, i) = revolving(2, i)*train%bodies(i)%torque_revolutions
+            revolving(:, i) = revolving(:, i)/greatest_divisor(revolving(1, i), revolving(2, i))
+         end do
+      end if
       if (any(engaging(1, :) == 0 .and. .not. train%meshes%is_coupling) .or. any(engaging > most)) return
       divisor = 0
       common = 1
@@ -219,8 +229,7 @@ contains
       integer, intent(in) :: body
 
       turns = .false.
-      if (.not. allocated(train%bodies)) return
-      turns = is_given(train%bodies(body)%revolution_torque_cos) .or. is_given(train%bodies(body)%revolution_torque_sin)
+      if (allocated(train%bodies)) turns = pulses(train%bodies(body))
    end function turns
 
    !> A number as a ratio of whole numbers of at most 2^22, by its continued fraction; 0/0 where it is none. Two such ratios are

@@ -58,6 +58,8 @@ module geartrain_train_mesh
       real(dp) :: phase = 0
       !> Harmonics 1.. of the static transmission error [m], equation (7b), which adds to the mesh displacement.
       real(dp), allocatable :: error_cos(:), error_sin(:)
+      !> In place of them: transmission error at equidistant instants of a mesh cycle from its beginning [m].
+      real(dp), allocatable :: error_table(:)
       !> Constant part of the transmission error [m], by placement of axes and thickness of teeth.
       real(dp) :: error_mean = 0
       !> Errors of the driving and of the driven gear, once a revolution.
@@ -147,12 +149,13 @@ contains
       coupling%half_backlash = found%half_play*coupling_radius
    end subroutine plain_coupling
 
-   !> Replaces table, contact ratio and phase of a mesh by mean stiffness and harmonics of an equal force.
+   !> Replaces tables, contact ratio and phase of a mesh by mean stiffness and harmonics of an equal force.
    pure subroutine plain_mesh(mesh, plain)
       !> The mesh as given.
       type(mesh_type), intent(in) :: mesh
       !> The mesh with mean stiffness and harmonics only.
       type(mesh_type), intent(out) :: plain
+      real(dp) :: mean
       integer :: h
 
       plain = mesh
@@ -164,6 +167,11 @@ contains
       end if
       plain%contact_ratio = 0
       if (allocated(plain%stiffness_table)) deallocate (plain%stiffness_table)
+      if (is_given(mesh%error_table)) then
+         call table_harmonics(mesh%error_table, mean, plain%error_cos, plain%error_sin)
+         plain%error_mean = plain%error_mean + mean
+         deallocate (plain%error_table)
+      end if
       if (.not. abs(mesh%phase) > 0) return
       call delay(mesh%phase, plain%stiffness_cos, plain%stiffness_sin)
       call delay(mesh%phase, plain%error_cos, plain%error_sin)

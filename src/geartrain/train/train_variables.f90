@@ -120,6 +120,11 @@ contains
       call v%on_list(row('revolution_torque_cos', 'N m', 'cosine amplitudes of the torque on the body, orders 1, 2, ... of its &
                          &revolution, of a planet against its carrier; every mesh must have teeth'), body%revolution_torque_cos)
       call v%on_list(row('revolution_torque_sin', 'N m', 'sine amplitudes, orders 1, 2, ...'), body%revolution_torque_sin)
+      call v%on_list(row('torque_table', 'N m', 'torque at 4 or more equidistant angles of torque_revolutions from the beginning, &
+                         &joined by a trigonometric polynomial; adds to the other torques; every mesh must have teeth'), &
+                     body%torque_table)
+      call v%on_integer(row('torque_revolutions', '', 'revolutions over which torque_table goes; 2: four strokes', least=one, &
+                            most=2*one), body%torque_revolutions)
       call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of the vibration of the body against the ground; give a mean &
                          &drag as torque', least=zero), body%damping_to_ground)
       call v%on_real(row('stiffness_to_ground', 'N m/rad', 'stiffness of a spring between the body and the ground; it bears a mean &
@@ -245,6 +250,9 @@ contains
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
                          &the mesh displacement; its sign and phase against the stiffness matter'), mesh%error_cos)
       call v%on_list(row('error_sin', 'm', 'sine amplitudes, harmonics 1, 2, ...'), mesh%error_sin)
+      call v%on_list(row('error_table', 'm', 'transmission error at 4 or more equidistant instants of a mesh cycle, joined by a &
+                         &trigonometric polynomial, in place of error_cos and error_sin; its mean adds to error_mean', &
+                         least=-one, most=one), mesh%error_table)
       call v%on_real(row('error_mean', 'm', 'constant part of the transmission error, of placement and tooth thickness; positive: &
                          &towards contact of the drive flanks. It matters in loops of gears alone, as between planets'), &
                      mesh%error_mean)

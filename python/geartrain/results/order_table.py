@@ -1,0 +1,39 @@
+"""The orders of a motion as a table: amplitudes, and what each order comes from."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .._core.extras import extra
+from .campbell import exciting_orders
+from .orders import named_orders, owners_of
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+__all__ = ["order_table"]
+
+
+def order_table(motion: Any, least: float) -> Dataset:
+    """The orders of a motion whose amplitude in some mesh is at least a share of the largest one of this mesh."""
+    order, amplitude = motion.spectrum()
+    kept = ((amplitude >= least * amplitude.max(axis=0, initial=0.0)) & (amplitude > 0)).any(axis=1)
+    train = motion.train
+    ratio = train.explain()["train"].get("speed_ratio")
+    exciting = {float(cause.order): cause.name.replace("revolution of ", "") for cause in exciting_orders(train)}
+    names = {**exciting, **named_orders(train)}
+    data = {
+        "amplitude": (("order", "mesh"), amplitude[kept], {
+            "units": "1", "description": "amplitude of the mesh displacement over the characteristic length"}),
+        "owner": ("order", owners_of(train, order[kept], names),
+                  {"description": "what the order comes from"}),
+    }
+    coordinates: dict[str, Any] = {
+        "order": ("order", order[kept], {"units": "1", "description": "multiple of the fundamental"}),
+        "mesh": ("mesh", list(train.mesh_labels)),
+    }
+    if ratio:
+        coordinates["per_revolution"] = ("order", order[kept] / ratio, {
+            "units": "1", "description": f"multiple of the revolution of {train.speed_name}"})
+    table: Dataset = extra("xarray").Dataset(data, coordinates)
+    return table
