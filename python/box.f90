@@ -13,6 +13,7 @@ module geartrain_python_box
    use geartrain_base_carry, only: carry
    use geartrain_base_field, only: field_type, text_type, values_type
    use geartrain_base_fields, only: fields_type, reading
+   use geartrain_base_kinds, only: dp
    use geartrain_base_memory, only: can_begin, need
    use geartrain_base_numbers, only: integer_text
    use geartrain_exact_exact_fields, only: visit_exact_point, visit_onsets
@@ -24,6 +25,8 @@ module geartrain_python_box
    use geartrain_report_explain, only: explain_train, explanation_text
    use geartrain_network_frequency_unit, only: hertz_per_lambda, speed_per_lambda
    use geartrain_network_load_sharing, only: planet_labels
+   use geartrain_network_planet_symmetry, only: find_symmetries, symmetry_type
+   use geartrain_network_system, only: build_system, system_type
    use geartrain_train_labels, only: body_labels, mesh_labels, shaft_labels
    use geartrain_network_parameter_path, only: give_variation
    use geartrain_train_train, only: train_type
@@ -235,6 +238,8 @@ contains
             call number_orbits(box%case%train, box%motions, orbit)
             call fields%index_axis('motion', n, '')
             call carry(fields, field_type('orbit', 'motion'), orbit)
+         case ('symmetries')
+            call show_symmetries(box%case%train, fields)
          case ('audit')
             call visit_audit(box%audit, fields)
          case ('gradient')
@@ -263,6 +268,40 @@ contains
          end select
       end associate
    end subroutine show
+
+   !> Shows the symmetric planetary sets: of each mesh its planet and whether it is the first or second mesh of the planet, 0 for
+   !> other meshes, and the shift in time that goes with a turn by one planet [rad of Lambda].
+   subroutine show_symmetries(train, fields)
+      type(train_type), intent(in) :: train
+      type(fields_type), intent(inout) :: fields
+      type(system_type) :: system
+      type(symmetry_type), allocatable :: symmetries(:)
+      integer, allocatable :: planet(:, :), kind(:, :)
+      real(dp), allocatable :: shift(:)
+      integer :: i, n, sets
+
+      call build_system(train, system)
+      call find_symmetries(train, system, symmetries)
+      sets = size(symmetries)
+      allocate (planet(system%meshes, sets), kind(system%meshes, sets), source=0)
+      shift = symmetries%shift
+      do i = 1, sets
+         associate (mesh => symmetries(i)%mesh)
+            do n = 1, size(mesh, 2)
+               planet(mesh(:, n), i) = n
+            end do
+            do n = 1, size(mesh, 1)
+               kind(mesh(n, :), i) = n
+            end do
+         end associate
+      end do
+      if (.not. fields%enter('/symmetries', '', .true.)) return
+      call fields%index_axis('set', sets, '')
+      call fields%index_axis('mesh', system%meshes, '')
+      call carry(fields, field_type('planet', 'set mesh'), planet)
+      call carry(fields, field_type('kind', 'set mesh'), kind)
+      call carry(fields, field_type('shift', 'set'), shift)
+   end subroutine show_symmetries
 
    !> Shows the names of bodies, meshes and shafts, the orders of the meshes, the characteristic length, and speed and frequency of
    !> the fundamental at Lambda = 1, 0 where not known.

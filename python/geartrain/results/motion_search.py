@@ -22,6 +22,7 @@ from .motion import Motion, from_state
 from .motion_table import motions_of, put_motions
 from .motions import Find, Motions, adds_up, index_of, index_sum
 from .orbit import least_period, replace_period, same_orbit
+from .planet_images import PlanetImages
 
 __all__ = ["find_motions"]
 
@@ -120,6 +121,9 @@ class _Known:
         self.found: list[Find] = []
         # Those whose branches were: over speed; with what bifurcates from these; over the gap of each mesh, by its name.
         self.followed: dict[str, list[Motion]] = {name: [] for name in (_SPEED, _DEEP, *_gaps(train))}
+        # Motions that a turn of planets makes of others are known without a search, and lead to nothing else.
+        self.images = PlanetImages(train)
+        self.turned: list[Motion] = []
 
     def shoot(self, state: Array, period: int) -> Motion | None:
         """The orbit of a period near a state; None where shooting finds none."""
@@ -186,8 +190,20 @@ class _Known:
         same = next((other for other, _ in self.found if same_orbit(motion, other)), None)
         if same is None:
             self.found.append((motion, how))
+            self._add_images(motion, how)
         for name in followed:
             self.followed[name].append(same or motion)
+
+    def _add_images(self, motion: Motion, how: str) -> None:
+        """Add what turns of planets make of a motion."""
+        for image in self.images.of(motion):
+            orbit = self._nearest(image)
+            if orbit is None or not same_orbit(orbit, image):
+                continue
+            self.found.append((orbit, f"{how}, with planets exchanged"))
+            self.turned.append(orbit)
+            for followed in self.followed.values():
+                followed.append(orbit)
 
     def adds_up(self) -> bool:
         motions = [motion for motion, _ in self.found]
@@ -299,6 +315,8 @@ def _follow(train: Any, frequency: float, known: _Known) -> None:
             if motion in followed or (name == _DEEP and known.adds_up()):
                 continue
             followed.append(motion)
+            if name.startswith("mesh ") and known.images.repeats(motion, int(name.split()[1])):
+                continue
             how = f"the branch of the motion of period {motion.period}"
             if name in (_SPEED, _DEEP):
                 _follow_over_speed(train, frequency, known, motion, how, deep=name == _DEEP)
@@ -345,7 +363,7 @@ def _gaps(train: Any) -> list[str]:
 def _leave_unstable(train: Any, frequency: float, known: _Known, pushed: set[int]) -> None:
     """What the flows on either side of each unstable motion settle on."""
     for motion, _ in list(known.found):
-        if motion.stable or motion.state is None or id(motion) in pushed:
+        if motion.stable or motion.state is None or id(motion) in pushed or any(motion is turned for turned in known.turned):
             continue
         pushed.add(id(motion))
         for push in (_PUSH, -_PUSH):

@@ -1,0 +1,94 @@
+"""Symmetric planetary sets: motions are found with their images, and counted up to the symmetry of the set."""
+
+import numpy as np
+import pytest
+
+import geartrain as gt
+from geartrain.results.planet_images import PlanetImages
+
+
+def stage(planets=3, teeth=(27, 36, 99), **more):
+    """A set with its ring held, in short form."""
+    values = {"name": "s", "sun": "sun", "ring": "ring", "carrier": "arm", "teeth": teeth, "planets": planets,
+              "normal_module": 4e-3, "planet_inertia": 2.2e-3, "stiffness": [1e9, 1.2e9], "half_backlash": [20e-6, 25e-6],
+              "damping_ratio": [0.03], "sun_stiffness_cos": [0.3, 0.08], "ring_stiffness_cos": [0.2, 0.1],
+              "sun_error_cos": [2e-6], "ring_phase": 0.4, **more}
+    bodies = [gt.Body(name="sun", inertia=8.2e-4, torque=300.0), gt.Body(name="ring", held=True),
+              gt.Body(name="arm", inertia=0.085, balances=True)]
+    return gt.Train(characteristic_length=1e-5, characteristic_frequency=2e4, bodies=bodies, shafts=[],
+                    planetaries=[gt.Planetary(**values)])
+
+
+def followed(response, words):
+    return next(branch for branch in response.branches if words in branch.origin)
+
+
+@pytest.mark.full
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+@pytest.mark.parametrize("planets, teeth, kind", [(3, (27, 36, 99), 2), (4, (20, 20, 60), 3)])
+def test_branches_that_break_the_symmetry(planets, teeth, kind):
+    """Planets in phase: N - 1 multipliers +1 together, one branch for each pattern, and the exact point from the balance's."""
+    ends = {3: (2.75, 2.9), 4: (1.45, 1.6)}[planets]
+    response = stage(planets, teeth).response(start=ends[0], stop=ends[1], harmonics=8, branch_points=True)
+    point, = (special for special in response.special_points if special.kind == "branch point")
+    assert point.multiplicity == kind
+    exact = point.exact()
+    assert abs(exact.frequency - point.frequency) < 1e-3 and exact.multiplicity == kind
+    assert np.abs(exact.critical - 1).max() < 1e-8
+    branch = followed(response, f"1 of {planets} equal branches against {planets - 1}")
+    assert np.ptp(branch.rms[:, 1:planets], axis=1).max() < 1e-9 < 1e-3 < np.abs(branch.rms[:, 0] - branch.rms[:, 1]).max()
+    # Shooting knows no symmetry.
+    motion = branch.at(branch.frequency[len(branch) // 4])[0]
+    np.testing.assert_allclose(motion.refine().rms, motion.rms, atol=3 * motion.error_estimate * motion.rms.max())
+
+
+@pytest.mark.parametrize("teeth", [(27, 36, 99), (26, 31, 88)])
+def test_symmetric_motions_stay_so(teeth):
+    """In phase all planets move equally; in sequence each one a third of the mesh cycle after the one before it."""
+    train = stage(teeth=teeth)
+    motion = train.response(start=1.9, stop=1.92, harmonics=8).at(1.9)[0]
+    for each in (motion, motion.refine()):
+        assert not list(PlanetImages(train).of(each))
+        assert np.ptp(each.rms[:3]) < 1e-9
+
+
+@pytest.fixture(scope="module")
+def broken():
+    """Branch of motions in which one planet moves by itself."""
+    response = stage().response(start=2.75, stop=2.9, harmonics=8, branch_points=True)
+    return followed(response, "1 of 3 equal branches against 2")
+
+
+def test_images_are_motions(broken):
+    """Of a motion whose planets differ: each planet in the place of the first, as shooting finds it."""
+    exact = broken.at(broken.frequency[len(broken) // 2])[0].refine()
+    images = list(PlanetImages(exact.train).of(exact))
+    assert len(images) == 2
+    orders = [np.argmax(np.abs(image.coefficients[:3, 0] - np.median(image.coefficients[:3, 0]))) for image in (exact, *images)]
+    assert sorted(orders) == [0, 1, 2]
+    for image in images:
+        again = image.refine()
+        np.testing.assert_allclose(again.coefficients[:, 0], image.coefficients[:, 0], rtol=1e-8)
+        np.testing.assert_allclose(np.sort(again.rms), np.sort(exact.rms), rtol=1e-8)
+        np.testing.assert_allclose(np.sort(np.abs(again.multipliers)), np.sort(np.abs(exact.multipliers)), atol=1e-7)
+    # The meshes of planet 3 do what those of planet 2 do.
+    assert [PlanetImages(exact.train).repeats(exact, mesh) for mesh in range(1, 7)] == 2 * [False, False, True]
+
+
+@pytest.mark.nightly
+def test_basins_count_orbits():
+    """At this speed one planet moves by itself, whichever it is: one motion up to a turn of the planets. Another has period 2."""
+    basins = stage().basins(frequency=2.95, mesh=1, points=(4, 4))
+    assert sum(motion.period == 1 for motion in basins.motions) > 1
+    assert len({orbit for orbit, motion in zip(basins.orbit, basins.motions) if motion.period == 1}) == 1
+    assert max(basins.orbit) == 2
+
+
+@pytest.mark.nightly
+def test_every_motion_of_a_symmetric_set():
+    """Images are found with each motion, so that the indices of all seven add up: they are three up to a turn of planets."""
+    found = stage().motions(frequency=2.95, period=1, starts=4, seeds=2)
+    assert found.complete
+    assert len(found) == 7
+    assert sorted(np.bincount(found.orbit)[1:]) == [1, 3, 3]
+    assert "these are 3 motions" in str(found)
