@@ -49,6 +49,7 @@ contains
          if (.not. shown(i)) cycle
          k = largest(i)
          words = 'M'//trim(names(i)(2:))//': largest force '//significant(load(i, k)%force_maximum)//' N'
+         if (index(names(i), 'bearing') == 1) words(1:1) = 'B'
          if (index(names(i), 'coupling') == 1) words = 'C'//trim(names(i)(2:))//': largest torque '// &
                                                        significant(load(i, k)%force_maximum)//' N m'
          if (error(i)%text /= '') words = words//' ('//error(i)%text//')'
