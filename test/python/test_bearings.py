@@ -14,7 +14,7 @@ LENGTH, RATE = 10e-6, 1e4  # characteristic_length, characteristic_frequency
 
 
 def pair(**given):
-    """A gear pair on two bearings; what is given goes to the mesh, `pinion` and `wheel` to the bearings, `speed_of` to the train."""
+    """A gear pair on two bearings; what is given goes to the mesh, `pinion` and `wheel` to the bearings."""
     bearings = {"pinion": {"mass": 1.9, "stiffness": [2.0e8, 1.5e8], "damping": [500.0, 600.0]},
                 "wheel": {"mass": 6.0, "stiffness": [3.0e8, 2.5e8], "damping": [800.0, 900.0]}}
     for name, values in bearings.items():
@@ -205,7 +205,8 @@ def test_turned_plane(angle):
     one = pair(**gap, line_of_action=30.0).response(start=0.7, stop=0.7001, harmonics=10).at(0.7)[0]
     other = pair(**gap, line_of_action=30.0 + angle).response(start=0.7, stop=0.7001, harmonics=10).at(0.7)[0]
     assert other.rms[0] == pytest.approx(one.rms[0], rel=1e-12)
-    turn = np.array([[np.cos(np.radians(angle)), np.sin(np.radians(angle))], [-np.sin(np.radians(angle)), np.cos(np.radians(angle))]])
+    cosine, sine = np.cos(np.radians(angle)), np.sin(np.radians(angle))
+    turn = np.array([[cosine, sine], [-sine, cosine]])
     assert other.bearing_force_mean == pytest.approx(one.bearing_force_mean @ turn, rel=1e-12)
 
 
@@ -222,7 +223,7 @@ def test_no_more_unknowns():
 
 
 class Model:
-    """A tree of gears in coordinates of its own: r_a theta_a - r_b theta_b of every mesh, then x and y of the bodies on bearings."""
+    """A tree of gears in coordinates of its own: r_a theta_a - r_b theta_b of every mesh, then x and y of bodies on bearings."""
 
     def __init__(self, train):
         bodies = {body.name: place for place, body in enumerate(train.bodies)}

@@ -112,7 +112,7 @@ class Description(TrainVariables):
 
     @property
     def mesh_elements(self) -> tuple[str, ...]:
-        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ..., ``'coupling 1'``, ..., ``'bearing 1 x'``."""
+        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ``'coupling 1'``, ``'bearing 1 x'``, ..."""
         return (*(f"mesh {number}" for number in range(1, len(self.meshes) + 1)),
                 *(f"coupling {number}" for number in range(1, len(self.couplings) + 1)),
                 *(f"bearing {number} {axis}" for number in range(1, len(self.bearings) + 1) for axis in "xy"))

@@ -190,7 +190,7 @@ class Motion(Pictures):
 
     @property
     def mesh_force(self) -> Array:
-        """Mesh force in N, of a coupling torque in N m, of bearings as well, over one period or the window, damping included, (samples, meshes)."""
+        """Mesh force in N, of a coupling torque in N m, over one period or the window, damping included, (samples, meshes)."""
         return self._period[2]
 
     @property

@@ -19,8 +19,9 @@ contains
 
    !> Adds the group of a bearing.
    subroutine explain_bearing(train, system, i, fields)
-      !> The train as given; its system.
+      !> The train as given.
       type(train_type), intent(in) :: train
+      !> Its system.
       type(system_type), intent(in) :: system
       !> Number of the direction x among all meshes; the direction y follows.
       integer, intent(in) :: i
