@@ -349,6 +349,7 @@ contains
             call fields%expect('mesh', size(box%case%train%meshes))
             call fields%expect('shaft', size(box%case%train%shafts))
             call fields%expect('coupling', count(box%case%train%meshes%is_coupling))
+            call fields%expect('bearing', count(box%case%train%meshes%axis == 1))
             n = 0
             if (fields%enter('/motions', '', .true.)) call fields%index_axis('motion', n, '')
             allocate (box%motions(n))

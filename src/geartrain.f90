@@ -53,7 +53,7 @@ module geartrain
    use geartrain_run_run_case, only: run_case
    use geartrain_trace_branch, only: branch_type, response_settings_type, special_point_type
    use geartrain_train_body, only: body_type
-   use geartrain_train_mesh, only: mesh_type
+   use geartrain_train_mesh, only: mesh_type, new_bearing, new_coupling
    use geartrain_train_planetary, only: planetary_type
    use geartrain_train_shaft, only: shaft_type
    use geartrain_train_train, only: train_type

@@ -103,8 +103,8 @@ contains
                    'x.nml:7:9: error: unknown variable "qqqqqqq" in &output (there are file)')
       call refused(tests, good//'&respnse from=1 /', 'x.nml:7:1: error: unknown group &respnse (did you mean &response?)')
       call refused(tests, good//'&modes /'//n//'&xyzzy /', 'x.nml:8:1: error: unknown group &xyzzy (there are &train &body &&
-                   &planetary &shaft &mesh &coupling &modes &response &integration &attractors &basins &bifurcation_diagram &&
-                   &stability_map &run_up &locus &output)')
+                   &planetary &shaft &mesh &coupling &bearing &modes &response &integration &attractors &basins &&
+                   &bifurcation_diagram &stability_map &run_up &locus &output)')
       call refused(tests, good//'&response from=0.2, to=2.6, from = 0.3 /', &
                    'x.nml:7:29: error: &response: from is given twice; the first is on line 7')
    end subroutine names

@@ -62,12 +62,13 @@ from .results.trajectory import Trajectory
 from .studies.space import Space
 from .studies.study import Study, StudyExplanation, read_study
 from .train import Train
-from .variables import Body, Coupling, Mesh, Planetary, Shaft
+from .variables import Bearing, Body, Coupling, Mesh, Planetary, Shaft
 
 __all__ = [
     "Attractors",
     "Audit",
     "Basins",
+    "Bearing",
     "BifurcationDiagram",
     "Body",
     "Branch",

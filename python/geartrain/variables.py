@@ -46,6 +46,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "stiffness_to_ground": Variable("stiffness_to_ground", "real", "float", 0.0, False, "Stiffness of a spring between the body and the ground; it bears a mean torque, and the body cannot turn; [N m/rad]; >= 0"),
         "held": Variable("held", "logical", "bool", False, False, "The body stands still, as a housing; its reaction torque is a result"),
         "speed_ratio": Variable("speed_ratio", "real", "float", 0.0, False, "Mean speed of the body over that of the body of speed_of, negative in the opposite sense; only where the gears leave it free, as in a differential"),
+        "position": Variable("position", "reals", "Series", None, False, "Position of the axis in the transverse plane, x and y, where the body of speed_of turns from x to y; for meshes of bodies on bearings; [m]"),
         "balances": Variable("balances", "logical", "bool", False, False, "The mean torque of the body balances all other torques, in a run-up also the acceleration of the inertias; True for as many bodies as there are independent speeds, for none where a spring to ground holds the train"),
     },
     "planetary": {
@@ -152,6 +153,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "driven_runout_phase": Variable("driven_runout_phase", "real", "float", 0.0, False, "Angle of the driven gear at which its runout is largest, from the beginning of the first mesh cycle; [rad]"),
         "driven_error_cos": Variable("driven_error_cos", "reals", "Series", None, False, "Cosine amplitudes of the error of the driven gear, orders 1, 2, ... of its revolution, on a carrier against it; they add to pitch errors and runout; [m]; >= -1 and <= 1"),
         "driven_error_sin": Variable("driven_error_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [m]; >= -1 and <= 1"),
+        "line_of_action": Variable("line_of_action", "real", "float", 0.0, False, "Of bodies on bearings: direction in which the driving gear pushes the driven gear, from the x axis towards the y axis; default: from the positions of the axes; [degree]; >= -360 and <= 360"),
         "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh has them, else 1; >= 1 and <= 1.0e6, or 0"),
     },
     "coupling": {
@@ -165,6 +167,13 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, in place of damping_ratio; [N m s/rad]; >= 0"),
         "loss_factor": Variable("loss_factor", "real", "float", 0.0, False, "Structural damping, in place of damping_ratio, as of a mesh; >= 0 and <= 2"),
         "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "Always, or only in contact: no damping within the play; 'always' or 'contact'"),
+    },
+    "bearing": {
+        "body": Variable("body", "text", "str", None, True, "Name of the body, which the bearing lets move in its transverse plane"),
+        "mass": Variable("mass", "real", "float", None, True, "Mass of the body with what moves with it; [kg]; > 0"),
+        "stiffness": Variable("stiffness", "reals", "Series", None, False, "Stiffnesses in the directions x and y, of all bearings of the body together; [N/m]; > 0"),
+        "damping": Variable("damping", "reals", "Series", None, False, "Damping coefficients in the directions x and y, within the clearance as well; none: 0; [N s/m]; >= 0"),
+        "half_clearance": Variable("half_clearance", "real", "float", 0.0, False, "Half of the clearance in each direction; 0: none; [m]; >= 0"),
     },
     "modes": {},
     "response": {
@@ -297,6 +306,7 @@ class Body(Part, variables=VARIABLES["body"]):
     stiffness_to_ground: float | None = None
     held: bool | None = None
     speed_ratio: float | None = None
+    position: Series | None = None
     balances: bool | None = None
 
 
@@ -415,6 +425,7 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     driven_runout_phase: float | None = None
     driven_error_cos: Series | None = None
     driven_error_sin: Series | None = None
+    line_of_action: float | None = None
     order: int | None = None
 
 
@@ -432,6 +443,17 @@ class Coupling(Part, variables=VARIABLES["coupling"]):
     damping: float | None = None
     loss_factor: float | None = None
     damping_acts: Literal["always", "contact"] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Bearing(Part, variables=VARIABLES["bearing"]):
+    """A bearing of a body, which then moves in its transverse plane as well as it turns."""
+
+    body: str | None = None
+    mass: float | None = None
+    stiffness: Series | None = None
+    damping: Series | None = None
+    half_clearance: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -453,6 +475,7 @@ class TrainVariables(Part, variables=VARIABLES["train"]):
     shafts: Sequence[Shaft] = ()
     meshes: Sequence[Mesh] = ()
     couplings: Sequence[Coupling] = ()
+    bearings: Sequence[Bearing] = ()
 
 
 #: Groups that are parts of the train: the keyword of their list, and their class.
@@ -462,6 +485,7 @@ PARTS: dict[str, tuple[str, type[Part]]] = {
     "shaft": ("shafts", Shaft),
     "mesh": ("meshes", Mesh),
     "coupling": ("couplings", Coupling),
+    "bearing": ("bearings", Bearing),
 }
 
 #: Analyses that a case may ask for, in their order.

@@ -20,6 +20,7 @@ CURE = (
 )
 GIVEN = {
     "body": {"name": "'x'", "inertia": "1.0"},
+    "bearing": {"body": "'x'"},
     "train": {"input_torque": "150.0", "prime_mover_inertia": "2.3e-7", "load_inertia": "2.3e-7",
               "characteristic_length": "3e-5", "characteristic_frequency": "9870.0"},
     "shaft": {"stiffness": "1e3"},
@@ -72,9 +73,9 @@ def case_text(table, fault=None, assignment="", without=""):
     """A whole case, one assignment a line; `assignment` takes the place of the faulty variable's own."""
     groups = dict.fromkeys(variable.group for variable in table)
     lines = []
-    model = ("train", "body", "shaft", "mesh", "coupling")
+    model = ("train", "body", "shaft", "mesh", "coupling", "bearing")
     order = ["train", "shaft", "mesh", "shaft", *(group for group in groups if group not in model)]
-    if fault is not None and fault.group in ("body", "coupling"):
+    if fault is not None and fault.group in ("body", "coupling", "bearing"):
         order[1:1] = dict.fromkeys(["body", fault.group])  # else a chain
     for number, group in enumerate(order):
         given = {v.name: GIVEN.get(group, {}).get(v.name, "1.0") for v in table if v.group == group and v.required}
@@ -236,7 +237,7 @@ def test_every_group_given_wrongly(table, tmp_path):
         with pytest.raises(gt.InputError, match=message):
             gt.read_case(path)
 
-    for group in {variable.group for variable in table} - {"body", "coupling"}:  # there is none in a chain
+    for group in {variable.group for variable in table} - {"body", "coupling", "bearing"}:  # there is none in a chain
         begin = whole.index(f"&{group}\n")
         end = whole.index("\n/\n", begin) if f"&{group}\n/\n" not in whole else begin + len(group) + 1
         refused(whole[:end] + "\n" + whole[end + 2:], f"&{group}.*has no closing /")
@@ -291,6 +292,9 @@ def call(group, name, value):
     if group == "coupling":
         return gt.Train(characteristic_length=3e-5, characteristic_frequency=9870.0, bodies=[gt.Body(name="x", inertia=1.0)],
                         couplings=[gt.Coupling(**{name: value})]).natural_frequencies()
+    if group == "bearing":
+        return gt.Train(characteristic_length=3e-5, characteristic_frequency=9870.0, bodies=[gt.Body(name="x", inertia=1.0)],
+                        bearings=[gt.Bearing(**{"body": "x", "mass": 1.0, name: value})]).natural_frequencies()
     if group == "body":
         body = gt.Body(**{"name": "x", "inertia": 1.0, name: value})
         return gt.Train(characteristic_length=3e-5, characteristic_frequency=9870.0, bodies=[body]).natural_frequencies()

@@ -10,6 +10,9 @@ from itertools import zip_longest
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..errors import DrawingWarning, InputError, shown
 from ..variables import PARTS, VARIABLES, Body, Mesh, TrainVariables
 from .box import Box
@@ -23,7 +26,7 @@ if TYPE_CHECKING:
 
     from ..variables import Analyses
 
-__all__ = ["Description", "mesh_names", "planet_names", "shaft_names"]
+__all__ = ["Description", "bearings_of", "mesh_names", "planet_names", "shaft_names"]
 
 
 class Description(TrainVariables):
@@ -101,14 +104,18 @@ class Description(TrainVariables):
 
     @property
     def mesh_labels(self) -> tuple[str, ...]:
-        """Names of meshes, then couplings, by the bodies that they join, ``'pinion - wheel'``; ``'mesh 1'``, ... in a chain."""
+        """Names of meshes, then couplings, by the bodies that they join, ``'pinion - wheel'``; ``'mesh 1'``, ... in a chain.
+
+        Then those of bearings, ``'pinion bearing x'``.
+        """
         return tuple(self._outline["mesh"])
 
     @property
     def mesh_elements(self) -> tuple[str, ...]:
-        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ..., then ``'coupling 1'``, ..."""
+        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ``'coupling 1'``, ``'bearing 1 x'``, ..."""
         return (*(f"mesh {number}" for number in range(1, len(self.meshes) + 1)),
-                *(f"coupling {number}" for number in range(1, len(self.couplings) + 1)))
+                *(f"coupling {number}" for number in range(1, len(self.couplings) + 1)),
+                *(f"bearing {number} {axis}" for number in range(1, len(self.bearings) + 1) for axis in "xy"))
 
     @property
     def shaft_labels(self) -> tuple[str, ...]:
@@ -193,6 +200,12 @@ class Description(TrainVariables):
         except InputError as error:
             told = in_words_of_the_call(str(error), {"start": "frequency", "stop": "frequency"})
             raise InputError("\n".join(dict.fromkeys(told.splitlines()))) from None
+
+
+def bearings_of(force: NDArray[np.float64], train: Description | None) -> NDArray[np.float64]:
+    """Forces of bearings, (samples, bearings, 2), of the forces of meshes, couplings and bearings, (samples, meshes)."""
+    bearings = len(train.bearings) if train is not None else 0
+    return force[:, force.shape[1] - 2 * bearings:].reshape(len(force), bearings, 2)
 
 
 def mesh_names(train: Description | None, meshes: int) -> tuple[str, ...]:

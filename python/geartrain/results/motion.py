@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._core.box import Box, fortran
-from .._core.description import Description
+from .._core.description import Description, bearings_of
 from .._core.gradient import gradient_of
 from .._core.units import hertz_of, speed_of
 from .._core.warn import warn
@@ -103,6 +103,9 @@ class Motion(Pictures, Recording):
         set; nan without load, None without planets.
     coupling_torque_mean, coupling_torque_minimum, coupling_torque_maximum : ndarray, (couplings,), or None
         In N m, over the period, positive where the first body of a coupling drives; None without couplings.
+    bearing_force_mean, bearing_force_rms, bearing_force_minimum, bearing_force_maximum : ndarray, (bearings, 2), or None
+        In N, in x and y, over the period, positive where the body pushes in the positive direction; ``rms`` is the root mean
+        square over time without the mean. None without bearings.
     train : Train
         The train that moves so.
     """
@@ -149,6 +152,10 @@ class Motion(Pictures, Recording):
     coupling_torque_mean: Array | None = None
     coupling_torque_minimum: Array | None = None
     coupling_torque_maximum: Array | None = None
+    bearing_force_mean: Array | None = None
+    bearing_force_rms: Array | None = None
+    bearing_force_minimum: Array | None = None
+    bearing_force_maximum: Array | None = None
     train: Description | None = field(default=None, repr=False)
 
     @property
@@ -202,6 +209,11 @@ class Motion(Pictures, Recording):
     def coupling_torque(self) -> Array:
         """Torque of the couplings in N m over one period or the window, (samples, couplings); positive: the first body drives."""
         return self._period[6]
+
+    @property
+    def bearing_force(self) -> Array:
+        """Forces on the bearings in N, in x and y, over one period or the window, (samples, bearings, 2)."""
+        return bearings_of(self.mesh_force, self.train)
 
     @cached_property
     def _period(self) -> tuple[Array, ...]:

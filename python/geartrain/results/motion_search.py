@@ -357,6 +357,7 @@ def _gaps(train: Any) -> list[str]:
     """Names of the gaps of the meshes that have one."""
     names = [f"mesh {mesh} {name}" for mesh in range(1, len(train.meshes) + 1) for name in ("half_backlash", "backlash")]
     names += [f"coupling {number} half_play" for number in range(1, len(train.couplings) + 1)]
+    names += [f"bearing {number} half_clearance" for number in range(1, len(train.bearings) + 1)]
     return [name for name in names if value_in(train, name)]
 
 
@@ -382,7 +383,8 @@ def _multipliers_at_infinity(train: Any, frequency: float) -> NDArray[np.complex
     if any(coupling.angle for coupling in train.couplings):
         return None
     linear = replace(train, meshes=[replace(mesh, half_backlash=0.0, backlash=0.0) for mesh in train.meshes],
-                     couplings=[replace(coupling, half_play=0.0) for coupling in train.couplings])
+                     couplings=[replace(coupling, half_play=0.0) for coupling in train.couplings],
+                     bearings=[replace(bearing, half_clearance=0.0) for bearing in train.bearings])
     branch = linear.response(start=frequency, stop=_NEARBY * frequency, harmonics=0, tolerance=_ROUGH, amplitude_limit=1e15)
     multipliers: NDArray[np.complex128] | None = branch.multipliers
     return None if multipliers is None else multipliers[0]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._core.dataset import dataset
-from .._core.description import Description
+from .._core.description import Description, bearings_of
 from .._core.table import Table
 from .._core.units import Unit, in_own_unit, units_of
 from ..errors import InputError, shown
@@ -125,8 +125,14 @@ class RunUp(Table, Recording):
 
     @property
     def coupling_torque(self) -> Array:
-        """Torque of the couplings [N m], (samples, couplings): the last of ``mesh_force``."""
-        return self.mesh_force[:, len(self.train.meshes):] if self.train else self.mesh_force[:, :0]
+        """Torque of the couplings [N m], (samples, couplings): those of ``mesh_force``."""
+        first = len(self.train.meshes) if self.train else 0
+        return self.mesh_force[:, first:first + len(self.train.couplings)] if self.train else self.mesh_force[:, :0]
+
+    @property
+    def bearing_force(self) -> Array:
+        """Forces on the bearings [N], in x and y, (samples, bearings, 2): the last of ``mesh_force``."""
+        return bearings_of(self.mesh_force, self.train)
 
     def to_dataset(self) -> Dataset:
         """The run-up as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""

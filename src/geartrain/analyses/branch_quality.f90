@@ -23,7 +23,7 @@ contains
    subroutine say_quality(branch, gears, name, settings, ends, whole, told, sheet)
       !> The branch.
       type(branch_type), intent(in) :: branch
-      !> Number of gear pairs, which come before the couplings.
+      !> Number of gear pairs, which come before couplings and bearings.
       integer, intent(in) :: gears
       !> What it is called, at the beginning of a sentence.
       character(*), intent(in) :: name

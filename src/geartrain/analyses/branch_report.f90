@@ -2,7 +2,7 @@
 module geartrain_analyses_branch_report
    use geartrain_analyses_branch_details, only: put_details
    use geartrain_analyses_branch_quality, only: say_quality
-   use geartrain_analyses_load_sentences, only: load_sides
+   use geartrain_analyses_load_sentences, only: load_sides, unloaded_side
    use geartrain_analyses_mesh_sentences, only: say_meshes
    use geartrain_analyses_torque_table, only: say_reversals, torque_table_type
    use geartrain_base_field, only: text_type
@@ -20,6 +20,7 @@ module geartrain_analyses_branch_report
    use geartrain_trace_branch, only: branch_type, gap_along, response_settings_type
    use geartrain_trace_decided, only: joined
    use geartrain_train_names, only: list_numbers, mesh_names, name_length
+   use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -57,7 +58,7 @@ contains
          call say_motions(branch, ends, train, told, .true., sheet, torques)
          if (sheet%verbose) call put_details(branch, 'Response', train, told, sheet)
       end if
-      call say_quality(branch, count(.not. train%meshes%is_coupling), 'Response', settings, ends, .true., told, sheet)
+      call say_quality(branch, count(train%meshes%is_pair()), 'Response', settings, ends, .true., told, sheet)
    end subroutine report_branch
 
    !> Adds the branches that follow from a response and from attractors.
@@ -106,7 +107,7 @@ contains
                end associate
             end if
             if (sheet%verbose .or. i <= most_branches) call sheet%say(in_result, words//'.')
-            call say_quality(branch, count(.not. train%meshes%is_coupling), 'Branch '//text(i), settings, ends, .false., told, &
+            call say_quality(branch, count(train%meshes%is_pair()), 'Branch '//text(i), settings, ends, .false., told, &
                              sheet)
             if (sheet%verbose .and. branch%points > 0) call put_details(branch, words, train, told, sheet)
          end associate
@@ -166,7 +167,7 @@ contains
          largest = [(maxloc(branch%mesh_load(mesh, :n)%force_maximum, 1, counts), mesh=1, branch%meshes)]
          if (known) call find_sweeps(branch, largest, sweep)
          do mesh = 1, branch%meshes
-            call find_contact(branch, mesh, sides(mesh), told, sheet%verbose, contact(mesh)%text)
+            call find_contact(branch, mesh, train%meshes(mesh), sides(mesh), told, sheet%verbose, contact(mesh)%text)
          end do
          call find_errors(branch, train, largest, error)
          call say_meshes(branch%mesh_load(:, :n), largest, at, at_end, error, sweep, contact, names, told, sheet)
@@ -195,10 +196,11 @@ contains
    end subroutine say_motions
 
    !> What is said of the contact of a mesh: where it separates and where its unloaded flanks hit; '' for a mesh without backlash.
-   subroutine find_contact(branch, mesh, side, told, all, words)
+   subroutine find_contact(branch, mesh, given, side, told, all, words)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh
-      !> Flank that bears the load, as load_sides gives it.
+      !> The mesh as given; flank that bears the load, as load_sides gives it.
+      type(mesh_type), intent(in) :: given
       integer, intent(in) :: side
       type(frequency_text_type), intent(in) :: told
       !> Whether all ranges are listed.
@@ -211,10 +213,10 @@ contains
       call say_ranges('loses contact at', separation_ranges(branch, mesh, .false.), separation_ranges(branch, mesh, .true.), words)
       if (words == '') words = 'keeps contact'
       if (side >= 0) then
-         call say_ranges('its coast flanks hit at', back_collision_ranges(branch, mesh, .false.), &
+         call say_ranges(trim(unloaded_side(given, side))//' at', back_collision_ranges(branch, mesh, .false.), &
                          back_collision_ranges(branch, mesh, .true.), hits)
       else
-         call say_ranges('its drive flanks hit at', drive_collision_ranges(branch, mesh, .false.), &
+         call say_ranges(trim(unloaded_side(given, side))//' at', drive_collision_ranges(branch, mesh, .false.), &
                          drive_collision_ranges(branch, mesh, .true.), hits)
       end if
       if (hits /= '') words = words//'; '//hits

@@ -4,11 +4,12 @@ module geartrain_analyses_load_sentences
    use geartrain_base_numbers, only: significant, text
    use geartrain_network_network, only: balance_torques
    use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_mesh, only: mesh_type
    use geartrain_train_names, only: list_numbers
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: load_sides, say_load
+   public :: load_sides, say_load, unloaded_side
 
    !> Most torques and most mean forces that are named; smallest mean force that counts, over the largest [1].
    integer, parameter :: most = 4
@@ -41,6 +42,18 @@ contains
       end associate
    end function load_sides
 
+   !> What hits where the load is on the other side: 'its coast flanks hit', of a bearing 'its unloaded side hits'.
+   pure function unloaded_side(mesh, side) result(words)
+      !> The mesh.
+      type(mesh_type), intent(in) :: mesh
+      !> Flank that bears its load, as `load_sides` gives it.
+      integer, intent(in) :: side
+      character(22) :: words
+
+      words = 'its '//trim(merge('drive', 'coast', side < 0))//' flanks hit'
+      if (mesh%axis > 0) words = 'its unloaded side hits'
+   end function unloaded_side
+
    !> The line on the load: 'Load: 90 N m on motor, balanced by load (-210 N m); mean mesh forces 3231 N, 7547 N'.
    subroutine say_load(train, words)
       !> A train that has passed `check_train`.
@@ -51,7 +64,7 @@ contains
       character(:), allocatable :: balancing, list
       integer :: i, n
 
-      force = pack(mean_forces(train), .not. train%meshes%is_coupling)
+      force = pack(mean_forces(train), train%meshes%is_pair())
       words = 'Load: '
       if (allocated(train%bodies)) then
          n = 0

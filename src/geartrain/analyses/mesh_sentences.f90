@@ -53,7 +53,7 @@ contains
       first = [(i, i=1, size(first))]
       do i = 2, size(first)
          do j = 1, i - 1
-            if (sentence(j)%text == sentence(i)%text) exit
+            if (sentence(j)%text == sentence(i)%text .and. index(names(i), 'bearing') /= 1) exit
          end do
          first(i) = j
       end do
@@ -69,7 +69,8 @@ contains
       do i = 1, size(load, 1)
          if (.not. shown(i) .or. any(shown(:i - 1) .and. first(:i - 1) == first(i))) cycle
          words = 'M'//trim(names(i)(2:))
-         if (index(names(i), 'coupling') == 1) words = 'C'//trim(names(i)(2:))
+         if (index(names(i), 'bearing') == 1) words(1:1) = 'B'
+         if (index(names(i), 'coupling') == 1) words(1:1) = 'C'
          meshes = ''
          do j = i + 1, size(load, 1)
             if (shown(j) .and. first(j) == first(i)) meshes = meshes//', '//trim(names(j)(index(names(j), ' ') + 1:))

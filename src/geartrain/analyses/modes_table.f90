@@ -55,8 +55,10 @@ contains
             line = in_width(text(i), 4)
             if (told%unit == 'Lambda') line = line//in_width(significant(modes%natural_frequency(i)), 10)
             largest = maxloc(abs(modes%shape(:, i)), 1)
-            ! A radian of a coupling is no length: where there is one, the energies are compared.
-            if (any(index(modes%element, 'coupling') == 1)) largest = maxloc(modes%energy(:, i), 1)
+            ! A radian of a coupling is no length: where there is one, the energies are compared. So they are beside
+            ! bearings, which move as far as their meshes deflect.
+            if (any(index(modes%element, 'coupling') == 1 .or. index(modes%element, 'bearing') == 1)) &
+               largest = maxloc(modes%energy(:, i), 1)
             line = line//in_width(significant(modes%natural_frequency(i)*hertz), 12)// &
                    in_width(significant(100*modes%damping_ratio(i)), 19)//'  '//trim(modes%element(largest))
             if (modes%element_label(largest) /= modes%element(largest)) line = line//' ('//trim(modes%element_label(largest))//')'

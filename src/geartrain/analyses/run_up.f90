@@ -26,7 +26,7 @@ module geartrain_analyses_run_up
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency
    use geartrain_train_mesh, only: coupling_radius
-   use geartrain_train_mesh_groups, only: mesh_word
+   use geartrain_train_mesh_groups, only: group_number, mesh_word
    use geartrain_network_rest, only: largest_residual
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -201,7 +201,7 @@ contains
          shift(:system%displacements) = steady%static_force(:system%displacements) - system%static_force(:system%displacements)
       samples = settings%samples
       if (samples == 0) samples = automatic_samples(system, ramp)
-      call make_room(system, ramp, samples, system%torque_paths%rows, result, error)
+      call make_room(system, ramp, samples, system%torque_paths%torques, result, error)
       if (allocated(error)) return
       if (.not. allocated(result%state)) then
          call find_start(steady, system, shift, settings%max_periods, ramp%start, result, error, stopped, start, &
@@ -411,7 +411,7 @@ contains
          associate (result => self%result)
             ! Torques of couplings are in the table; without gear pairs they are all there is.
             mesh = maxloc(maxval(max(abs(result%force_minimum(:, :n)), abs(result%force_maximum(:, :n))), 2), 1, &
-                          .not. train%meshes%is_coupling .or. all(train%meshes%is_coupling))
+                          train%meshes%is_pair() .or. .not. any(train%meshes%is_pair()))
             associate (force => max(abs(result%force_minimum(mesh, :n)), abs(result%force_maximum(mesh, :n))))
                window = maxloc(force, 1)
                call told%with_unit(told%number(at(window)), place)
@@ -425,8 +425,12 @@ contains
             reverse = [(.not. train%shafts(k)%rigid .and. minval(result%torque_minimum(k, :n)) < 0 .and. &
                         maxval(result%torque_maximum(k, :n)) > 0, k=1, size(reverse))]
          end associate
-         call list_numbers(pack(lose, .not. train%meshes%is_coupling), 'mesh', 'meshes', list)
+         call list_numbers(pack(lose, train%meshes%is_pair()), 'mesh', 'meshes', list)
          call list_numbers(pack(lose, train%meshes%is_coupling), 'coupling', 'couplings', place)
+         if (list /= '' .and. place /= '') place = ' and '//place
+         list = list//place
+         call list_numbers([(any(lose .and. train%meshes%axis > 0 .and. [(group_number(train%meshes, k), k=1, size(lose))] == i), &
+                             i=1, count(train%meshes%axis == 1))], 'bearing', 'bearings', place)
          if (list /= '' .and. place /= '') place = ' and '//place
          list = list//place
          if (list == '') list = trim(merge('no coupling', 'no mesh    ', all(train%meshes%is_coupling)))

@@ -33,7 +33,7 @@ contains
       do i = 1, size(plain%meshes)
          coasts = static_force(i) < 0
          associate (mesh => plain%meshes(i), p => result%displacement(i, :result%samples)*plain%characteristic_length)
-            if (mesh%half_backlash <= 0) cycle
+            if (mesh%half_backlash <= 0 .or. mesh%axis > 0) cycle
             if (.not. coasts .and. minval(result%force_minimum(i, :windows)) >= 0) cycle
             if (coasts .and. maxval(result%force_maximum(i, :windows)) <= 0) cycle
             if (.not. coasts .and. minval(p) < -mesh%half_backlash .or. coasts .and. maxval(p) > mesh%half_backlash) cycle

@@ -1,6 +1,6 @@
 !> What a report says of a sweep by time integration: periods, contact, largest forces and torques, and what did not settle.
 module geartrain_analyses_sweep_report
-   use geartrain_analyses_load_sentences, only: load_sides
+   use geartrain_analyses_load_sentences, only: load_sides, unloaded_side
    use geartrain_analyses_mesh_sentences, only: say_meshes
    use geartrain_analyses_torque_table, only: say_reversals, torque_table_type
    use geartrain_analyses_window_sentences, only: say_windows
@@ -116,8 +116,8 @@ contains
             end do
             if (sides(mesh) < 0) hits = largest > gap(mesh)
             if (sides(mesh) >= 0) hits = smallest < -gap(mesh)
-            if (any(hits)) call describe(contact(mesh)%text//'; its '//trim(merge('drive', 'coast', sides(mesh) < 0))// &
-                                         ' flanks hit', hits, contact(mesh)%text)
+            if (any(hits)) call describe(contact(mesh)%text//'; '//trim(unloaded_side(train%meshes(mesh), sides(mesh))), &
+                                         hits, contact(mesh)%text)
          end do
          strongest = [(maxloc(load(mesh, :)%force_maximum, 1, counts), mesh=1, size(strongest))]
          nothing = text_type('')

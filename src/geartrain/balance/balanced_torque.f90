@@ -12,8 +12,9 @@ module geartrain_balance_balanced_torque
 
 contains
 
-   !> Finds mean, minimum and maximum of the torque of each shaft [N m], (shaft); NaN where nothing determines the torque.
-   subroutine find_shaft_torques(balance, transform, mean, minimum, maximum)
+   !> Finds mean, minimum and maximum of each row of the torque paths, torques [N m] and forces of bearings [N], (row); NaN where
+   !> nothing determines the torque.
+   subroutine find_shaft_torques(balance, transform, mean, minimum, maximum, ac)
       !> The balance, last evaluated at the motion.
       type(balance_type), intent(in) :: balance
       !> Planned for `fine_samples` of the harmonics of the balance, planned anew where it carries a set of harmonics; its samples
@@ -21,11 +22,14 @@ contains
       type(transform_type), intent(inout) :: transform
       !> Torques [N m], positive where the first body of the shaft drives the second.
       real(dp), intent(out) :: mean(:), minimum(:), maximum(:)
+      !> Root mean square without the mean.
+      real(dp), intent(out) :: ac(:)
       real(dp) :: coefficients(balance%block, size(mean))
       integer :: s
 
       call shaft_coefficients(balance, coefficients)
       mean = coefficients(1, :)
+      ac = sqrt(sum(coefficients(2:, :)**2, 1)/2)
       do s = 1, size(mean)
          if (balance%system%torque_paths%known(s)) then
             if (balance%chosen) call transform%plan(fine_samples(own_resolution(coefficients(:, s), balance%harmonic)))

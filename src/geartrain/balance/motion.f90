@@ -36,6 +36,10 @@ module geartrain_balance_motion
       real(dp), allocatable :: shaft_torque_mean(:), shaft_torque_minimum(:), shaft_torque_maximum(:)
       !> Numbers of held bodies and of couplings in these lists.
       integer :: held = 0, couplings = 0
+      !> Force of each bearing in x and in y [N], (axis, bearing): mean, root mean square without the mean, extremes. Not
+      !> allocated: not computed, or no bearings.
+      real(dp), allocatable :: bearing_force_mean(:, :), bearing_force_rms(:, :), bearing_force_minimum(:, :), &
+         bearing_force_maximum(:, :)
       !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet); not allocated:
       !> no planets.
       real(dp), allocatable :: load_share(:), load_share_maximum(:)

@@ -203,6 +203,8 @@ contains
       associate (group => self%groups(self%here))
          if (labelled%name == 'held') then
             meaning = 'names of the held bodies'
+         else if (labelled%name == 'bearing') then
+            meaning = 'names of the bodies on bearings'
          else if (labelled%name == 'planet') then
             meaning = 'names of the bodies that are the planets'
          else

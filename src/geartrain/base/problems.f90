@@ -102,7 +102,8 @@ contains
       class(problems_type), intent(in) :: self
 
       of_train = self%in_group('train') .or. self%in_group('body') .or. self%in_group('shaft') .or. self%in_group('mesh') .or. &
-                 self%in_group('coupling') .or. self%in_group('planetary')
+                 self%in_group('coupling') .or. self%in_group('bearing') .or. &
+                 self%in_group('planetary')
    end function of_train
 
    !> Makes the error that tells all problems, one a line, in the order of the file; no error where there is no problem.
@@ -149,7 +150,8 @@ contains
    pure logical function is_numbered(group)
       character(*), intent(in) :: group
 
-      is_numbered = group == 'body' .or. group == 'shaft' .or. group == 'mesh' .or. group == 'coupling' .or. group == 'planetary'
+      is_numbered = group == 'body' .or. group == 'shaft' .or. group == 'mesh' .or. group == 'coupling' .or. &
+                    group == 'bearing' .or. group == 'planetary'
    end function is_numbered
 
    !> Label of a group in messages: '&mesh 2', or '&train' where a case has only one group of this name.

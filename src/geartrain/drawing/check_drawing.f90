@@ -48,7 +48,7 @@ contains
          call checker%leave()
       end do
       do i = 1, size(train%meshes)
-         if (train%meshes(i)%is_coupling) cycle
+         if (.not. train%meshes(i)%is_pair()) cycle
          call checker%enter('mesh', i)
          call check_pair(train%meshes(i), checker)
          call checker%leave()
@@ -319,7 +319,7 @@ contains
          return
       end if
       do i = 1, size(train%meshes)
-         if (train%meshes(i)%is_coupling) cycle
+         if (.not. train%meshes(i)%is_pair()) cycle
          call checker%enter('mesh', i)
          if (train%meshes(i)%order /= 0 .and. train%meshes(i)%order /= found%order(i)) then
             call checker%complain('order', integer_text(train%meshes(i)%order), 'contradicts the teeth, by which it is '// &

@@ -52,7 +52,7 @@ contains
       do i = 1, size(train%meshes)
          if (train%meshes(i)%is_coupling) then
             call plain_coupling(plain%meshes(i))
-         else
+         else if (train%meshes(i)%is_pair()) then
             call put_pair(train%meshes(i), plain%meshes(i))
          end if
       end do
@@ -100,9 +100,9 @@ contains
          if (.not. abs(train%characteristic_length) > 0) plain%characteristic_length = 1e-6_dp
       end if
       where (plain%meshes%order == 0) plain%meshes%order = 1
-      ! A coupling excites nothing: its order is one that there is.
-      if (any(.not. plain%meshes%is_coupling)) &
-         where (plain%meshes%is_coupling) plain%meshes%order = minval(plain%meshes%order, .not. plain%meshes%is_coupling)
+      ! A coupling or a bearing excites nothing: its order is one that there is.
+      if (any(plain%meshes%is_pair())) &
+         where (.not. plain%meshes%is_pair()) plain%meshes%order = minval(plain%meshes%order, plain%meshes%is_pair())
    end subroutine put_orders
 
    !> Sets radii, half backlash, stiffness and harmonics of a mesh.

@@ -61,7 +61,7 @@ contains
       if (allocated(train%bodies)) allocate (expansion%set_of_body(size(train%bodies)), source=0)
       if (.not. allocated(train%meshes)) allocate (train%meshes(0))
       if (.not. allocated(train%shafts)) allocate (train%shafts(0))
-      allocate (expansion%set_of_mesh(count(.not. train%meshes%is_coupling)), source=0)
+      allocate (expansion%set_of_mesh(count(train%meshes%is_pair())), source=0)
       allocate (expansion%kind_of_mesh(size(expansion%set_of_mesh)), source=0)
       if (.not. allocated(train%planetaries)) return
       call move_alloc(train%planetaries, sets)
@@ -150,8 +150,8 @@ contains
       real(dp) :: lag
       integer :: n, given
 
-      ! Couplings stay the last.
-      given = count(.not. train%meshes%is_coupling)
+      ! Couplings and bearings stay the last.
+      given = count(train%meshes%is_pair())
       meshes(:given) = train%meshes(:given)
       meshes(given + numbers%planets + 1:) = train%meshes(given + 1:)
       do n = 1, numbers%planets

@@ -210,6 +210,12 @@ contains
          branch%shaft_torque_minimum(:, i) = motion%shaft_torque_minimum
          branch%shaft_torque_maximum(:, i) = motion%shaft_torque_maximum
       end if
+      if (branch%bearing_force%bearings > 0) then
+         branch%bearing_force%mean(:, :, i) = motion%bearing_force_mean
+         branch%bearing_force%rms(:, :, i) = motion%bearing_force_rms
+         branch%bearing_force%minimum(:, :, i) = motion%bearing_force_minimum
+         branch%bearing_force%maximum(:, :, i) = motion%bearing_force_maximum
+      end if
       if (allocated(branch%load_share)) then
          branch%load_share(:, i) = motion%load_share
          branch%load_share_maximum(:, i) = motion%load_share_maximum

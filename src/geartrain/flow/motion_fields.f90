@@ -7,6 +7,7 @@ module geartrain_flow_motion_fields
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
+   use geartrain_flow_bearing_fields, only: bearing_axes, carry_bearings
    use geartrain_flow_load_share_fields, only: about_planet, carry_shares
    use geartrain_flow_torque_fields, only: about_coupling, about_held, carry_torque, coupling_row
    implicit none (type, external)
@@ -18,7 +19,7 @@ module geartrain_flow_motion_fields
    !> Descriptions that several groups of fields share.
    character(*), parameter :: about_frequency = 'Lambda: fundamental frequency [rad/s] / characteristic_frequency'
    character(*), parameter :: about_mesh = 'mesh, in the order of the train; then couplings, with 1 um for 1 mrad of &
-      &twist', about_shaft = 'shaft, in the order of the train'
+      &twist; then bearings, x and y', about_shaft = 'shaft, in the order of the train'
    character(*), parameter :: about_rms = 'rms of the paper, of mesh displacement / characteristic_length: root of the sum of &
       &squared harmonic amplitudes, sqrt(2) times the true AC rms'
    character(*), parameter :: about_true_ac_rms = 'root mean square over time of mesh displacement / characteristic_length without &
@@ -96,8 +97,8 @@ contains
       !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: none(:)
-      integer :: i, n, meshes, shafts, held, couplings, planets, terms, coordinates, states
-      logical :: torques_there, planets_there
+      integer :: i, n, meshes, shafts, held, couplings, bearings, planets, terms, coordinates, states
+      logical :: torques_there, planets_there, bearings_there
 
       n = fields%length_of(along)
       meshes = max(0, fields%length_of('mesh'))
@@ -105,6 +106,7 @@ contains
       held = 0
       planets = 0
       couplings = 0
+      bearings = 0
       terms = 0
       coordinates = 0
       states = 0
@@ -121,6 +123,7 @@ contains
                couplings = motions(i)%couplings
                shafts = size(motions(i)%shaft_torque_mean) - held - couplings
             end if
+            if (allocated(motions(i)%bearing_force_mean)) bearings = size(motions(i)%bearing_force_mean, 2)
             if (allocated(motions(i)%load_share)) planets = size(motions(i)%load_share)
             if (allocated(motions(i)%state)) coordinates = max(coordinates, size(motions(i)%state))
             if (allocated(motions(i)%multipliers)) states = max(states, size(motions(i)%multipliers))
@@ -134,6 +137,8 @@ contains
       planets_there = fields%has('load_share', planets > 0)
       if (planets_there) call fields%index_axis('planet', planets, about_planet)
       if (fields%has('coupling_torque_mean', couplings > 0)) call fields%index_axis('coupling', couplings, about_coupling)
+      bearings_there = fields%has('bearing_force_mean', bearings > 0)
+      if (bearings_there) call bearing_axes(bearings, fields)
       if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
          'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
          &a body last')
@@ -143,22 +148,22 @@ contains
       if (fields%way == listing) then
          allocate (none(1))
          call fields%visit_item(1)
-         call visit_motion(none(1), along, .true., .true., fields)
+         call visit_motion(none(1), along, .true., .true., .true., fields)
       else
          do i = 1, n
             call fields%visit_item(i)
-            call visit_motion(motions(i), along, torques_there, planets_there, fields)
+            call visit_motion(motions(i), along, torques_there, planets_there, bearings_there, fields)
          end do
       end if
       call fields%end_list()
    end subroutine visit_motions
 
-   subroutine visit_motion(motion, along, torques_there, planets_there, fields)
+   subroutine visit_motion(motion, along, torques_there, planets_there, bearings_there, fields)
       type(motion_type), intent(inout) :: motion
       !> Dimension of the list: 'point' of a sweep, else 'motion'.
       character(*), intent(in) :: along
-      !> Whether a motion of the list has torques of shafts, and load shares of planets.
-      logical, intent(in) :: torques_there, planets_there
+      !> Whether a motion of the list has torques of shafts, load shares of planets, and forces of bearings.
+      logical, intent(in) :: torques_there, planets_there, bearings_there
       class(fields_type), intent(inout) :: fields
       real(dp), allocatable :: ac(:)
       real(dp) :: exponent
@@ -184,6 +189,8 @@ contains
       call carry_loads(fields, motion%mesh_load)
       if (torques_there) call carry_torques(fields, motion%shaft_torque_mean, motion%shaft_torque_minimum, &
                                             motion%shaft_torque_maximum)
+      if (bearings_there) call carry_bearings(fields, motion%bearing_force_mean, motion%bearing_force_rms, &
+                                              motion%bearing_force_minimum, motion%bearing_force_maximum)
       if (planets_there) call carry_shares(fields, motion%load_share, motion%load_share_maximum)
       if (fields%way == reading) motion%held = max(0, fields%length_of('held'))
       if (fields%way == reading) motion%couplings = max(0, fields%length_of('coupling'))

@@ -295,11 +295,14 @@ contains
       if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
       motion%held = system%torque_paths%held
       motion%couplings = system%torque_paths%couplings
-      motion%shaft_torque_mean = sum(torque, 1)/q
-      motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0), j=1, size(torque, 2))]
-      motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0), j=1, size(torque, 2))]
+      associate (torques => system%torque_paths%torques)
+         motion%shaft_torque_mean = sum(torque(:, :torques), 1)/q
+         motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0), j=1, torques)]
+         motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0), j=1, torques)]
+      end associate
+      if (system%torque_paths%bearings > 0) call measure_bearings(system, torque, motion)
       if (motion%window > 0) then
-         call find_uncertainty(system, p, force, torque, motion)
+         call find_uncertainty(system, p, force, torque(:, :system%torque_paths%torques), motion)
          if (system%interrupt%raised()) return
       end if
       call transform%plan(q)
@@ -342,6 +345,24 @@ contains
          end do
       end do
    end subroutine measure
+
+   !> Sets the forces of the bearings.
+   subroutine measure_bearings(system, torque, motion)
+      type(system_type), intent(in) :: system
+      !> Rows of the torque paths, the forces of bearings last [N], (samples, row).
+      real(dp), intent(in) :: torque(:, :)
+      type(motion_type), intent(inout) :: motion
+      integer :: form(2), j, q
+
+      q = size(torque, 1)
+      form = [2, system%torque_paths%bearings]
+      associate (force => torque(:, system%torque_paths%torques + 1:), open => motion%window > 0)
+         motion%bearing_force_mean = reshape(sum(force, 1)/q, form)
+         motion%bearing_force_rms = reshape([(sqrt(sum((force(:, j) - sum(force(:, j))/q)**2)/q), j=1, size(force, 2))], form)
+         motion%bearing_force_minimum = reshape([(-peak(-force(:, j), open), j=1, size(force, 2))], form)
+         motion%bearing_force_maximum = reshape([(peak(force(:, j), open), j=1, size(force, 2))], form)
+      end associate
+   end subroutine measure_bearings
 
    !> Sets what a longer window would change of the figures.
    subroutine find_uncertainty(system, p, force, torque, motion)

@@ -207,7 +207,7 @@ contains
                call include(force(:, i), flow%length, result%force_minimum(i, w), result%force_maximum(i, w))
             end do
             call torque_series(flow, begun, force, torque)
-            do i = 1, system%torque_paths%rows
+            do i = 1, system%torque_paths%torques
                if (system%torque_paths%known(i)) &
                   call include(torque(:, i), flow%length, result%torque_minimum(i, w), result%torque_maximum(i, w))
             end do
@@ -275,7 +275,7 @@ contains
                force(:, n) = system%stiffness(n)*length*force(:, n)
             end if
          end do
-         do s = 1, paths%rows
+         do s = 1, paths%torques
             torque(:, s) = 0
             torque(0, s) = paths%constant(s)
             do i = paths%first(s), paths%first(s + 1) - 1

@@ -11,7 +11,8 @@ module geartrain_input_order
 
 contains
 
-   !> Checks that &train comes first, then &shaft and &mesh by turns (with &body all, &planetary and &coupling too, in any order),
+   !> Checks that &train comes first, then &shaft and &mesh by turns (with &body all, &planetary, &coupling and &bearing too, in any
+   !> order),
    !> then the analyses and &output, and that no other group is given twice.
    subroutine check_order(groups, problems)
       !> Groups of the file.
@@ -38,7 +39,7 @@ contains
             end if
             if (first(j) == 0) first(j) = group%line
             select case (group%name)
-            case ('body', 'planetary', 'shaft', 'mesh', 'coupling')
+            case ('body', 'planetary', 'shaft', 'mesh', 'coupling', 'bearing')
                call check_turn(group, chain, last, after, problems)
                last = group%name
             case default
@@ -81,6 +82,8 @@ contains
          return
       else if (group%name == 'coupling') then
          text = 'joins bodies by name, but there is no &body'
+      else if (group%name == 'bearing') then
+         text = 'carries a body by name, but there is no &body'
       else if (last == group%name) then
          text = 'follows '//group_label(last, group%index - 1)//': a &'//trim(merge('mesh ', 'shaft', last == 'shaft'))// &
                 ' must stand between them'

@@ -15,8 +15,9 @@ module geartrain_input_reader
    use geartrain_input_table, only: is_variable, list_variables, row_type, take_keyword, unknown_variable
    use geartrain_input_variables, only: groups, visit_output
    use geartrain_network_check_train, only: check_consistency
+   use geartrain_train_bearing_variables, only: visit_bearing
    use geartrain_train_coupling_variables, only: visit_coupling
-   use geartrain_train_mesh, only: new_coupling
+   use geartrain_train_mesh, only: new_bearing, new_coupling
    use geartrain_train_planetary_variables, only: visit_planetary
    use geartrain_train_train_variables, only: visit_body, visit_mesh, visit_shaft, visit_train
    implicit none (type, external)
@@ -118,12 +119,16 @@ contains
       type(assigner_type), intent(inout) :: reader
       type(results_type), target :: none
       class(analysis_type), allocatable :: analysis
-      integer :: i, number, gears
+      integer :: i, number, gears, first
 
       gears = reader%count_of('mesh')
-      allocate (case%train%shafts(reader%count_of('shaft')), case%train%meshes(gears + reader%count_of('coupling')))
-      do i = gears + 1, size(case%train%meshes)
+      first = gears + reader%count_of('coupling') + 1
+      allocate (case%train%shafts(reader%count_of('shaft')), case%train%meshes(first - 1 + 2*reader%count_of('bearing')))
+      do i = gears + 1, first - 1
          case%train%meshes(i) = new_coupling()
+      end do
+      do i = first, size(case%train%meshes)
+         case%train%meshes(i) = new_bearing(1 + mod(i - first, 2))
       end do
       if (reader%count_of('body') > 0) allocate (case%train%bodies(reader%count_of('body')))
       if (reader%count_of('planetary') > 0) allocate (case%train%planetaries(reader%count_of('planetary')))
@@ -132,7 +137,7 @@ contains
       do i = 1, size(reader%groups)
          associate (n => reader%groups(i)%index)
             if (n > 1 .and. .not. any(reader%groups(i)%name == [character(9) :: 'body', 'shaft', 'mesh', 'coupling', &
-                                                                                 'planetary'])) cycle
+                                                                                 'bearing', 'planetary'])) cycle
             select case (reader%groups(i)%name)
             case ('train')
                call visit_train(case%train, reader)
@@ -146,6 +151,8 @@ contains
                call visit_mesh(case%train%meshes(n), n, reader)
             case ('coupling')
                call visit_coupling(case%train%meshes(gears + n), n, reader)
+            case ('bearing')
+               call visit_bearing(case%train%meshes(first + 2*n - 2:first + 2*n - 1), n, reader)
             case ('output')
                call visit_output(case%output_file, reader)
             case default

@@ -8,7 +8,7 @@ module geartrain_input_table
    use geartrain_base_variable, only: variable_type, visitor_type
    use geartrain_input_cursor, only: shortened
    use geartrain_input_variables, only: groups, visit_case
-   use geartrain_train_mesh, only: new_coupling
+   use geartrain_train_mesh, only: new_bearing, new_coupling
    implicit none (type, external)
    private
    public :: row_type, is_variable, list_variables, take_keyword, unknown_group, unknown_variable
@@ -55,8 +55,10 @@ contains
       integer :: i
 
       allocate (collector%rows(64), case%train%bodies(1), case%train%planetaries(1), case%train%shafts(1), &
-                case%train%meshes(2))
+                case%train%meshes(4))
       case%train%meshes(2) = new_coupling()
+      case%train%meshes(3) = new_bearing(1)
+      case%train%meshes(4) = new_bearing(2)
       do i = 1, size(analyses)
          call find_analysis(i, case, none, analysis, ask=.true.)
       end do

@@ -19,6 +19,8 @@ module geartrain_input_variables
       group_row_type('mesh', 'A gear pair. In a chain each &mesh stands between two &shaft.'), &
       group_row_type('coupling', 'A torsional coupling with play or in stages, as a spline or a clutch damper. In trains with &
          &bodies only.'), &
+      group_row_type('bearing', 'A bearing of a body, which then moves in its transverse plane as well as it turns. In trains with &
+         &bodies only.'), &
       analyses, &
       group_row_type('output', 'Where the results go.')]
 

@@ -5,6 +5,7 @@ module geartrain_network_check_network
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
+   use geartrain_network_check_bearing, only: check_bodies_on_bearings, check_flanks, check_lines
    use geartrain_network_check_coupling, only: check_middles
    use geartrain_network_check_turning, only: check_joints, check_turning
    use geartrain_train_mesh_groups, only: enter_mesh, group_name
@@ -32,7 +33,7 @@ contains
       before = checker%problems%count
       call check_chain_values(train, checker)
       call check_names(train, checker)
-      if (size(train%meshes) == 0) call checker%problems%add('the train has no &mesh and no &coupling', 'train', &
+      if (all(train%meshes%axis > 0)) call checker%problems%add('the train has no &mesh and no &coupling', 'train', &
                                                                 1, names_group=.true.)
       if (checker%problems%count > before) return
       ! The checks below need the names; a value that is out of range has been told with its variable.
@@ -43,6 +44,10 @@ contains
       call find_carriers(train, carrier)
       call check_joints(train, shaft_ends, mesh_ends, carrier, checker)
       call check_elastic(train, shaft_ends, mesh_ends, carrier, checker)
+      if (any(train%meshes%axis > 0 .or. train%meshes%line_given)) then
+         if (checker%problems%count == before) call check_bodies_on_bearings(train, mesh_ends, carrier, checker)
+         if (checker%problems%count == before) call check_lines(train, mesh_ends, carrier, checker)
+      end if
       if (checker%problems%count == before) call check_turning(train, mesh_ends, carrier, checker)
       ! Numbers that a wrong drawing gave have no rest.
       if (checker%problems%count == 0) call check_rest(train, checker)
@@ -81,6 +86,7 @@ contains
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
       character(:), allocatable :: name
+      logical :: joined
       integer :: i, j
 
       do i = 1, size(train%bodies)
@@ -106,7 +112,11 @@ contains
       end do
       do i = 1, size(train%meshes)
          call enter_mesh(checker, train%meshes, i)
-         call check_ends(train, train%meshes(i)%between, checker)
+         if (train%meshes(i)%axis == 0) then
+            call check_ends(train, train%meshes(i)%between, checker)
+         else if (train%meshes(i)%axis == 1) then
+            joined = is_body(train, 'body', train%meshes(i)%between(1), checker)
+         end if
          if (train%meshes(i)%carrier /= '') call check_carrier(train, train%meshes(i)%between, train%meshes(i)%carrier, checker)
          call checker%leave()
       end do
@@ -208,7 +218,7 @@ contains
 
          carries_ring = .false.
          do j = 1, size(train%meshes)
-            if (.not. train%meshes(j)%internal .or. train%meshes(j)%is_coupling) cycle
+            if (.not. train%meshes(j)%internal .or. .not. train%meshes(j)%is_pair()) cycle
             k = merge(1, 2, train%meshes(j)%driving_radius > train%meshes(j)%driven_radius)
             carries_ring = carries_ring .or. mesh_ends(k, j) == body
          end do
@@ -229,6 +239,7 @@ contains
          if (.not. train%shafts(i)%rigid) call check_one('shaft', train%shafts(i)%between, shaft_ends(:, i))
       end do
       do i = 1, size(train%meshes)
+         if (train%meshes(i)%axis > 0) cycle
          call check_one(trim(group_name(train%meshes, i)), train%meshes(i)%between, mesh_ends(:, i))
          if (carrier(i) == 0) cycle
          associate (names => train%meshes(i)%between, arm => train%meshes(i)%carrier)
@@ -302,6 +313,7 @@ contains
       call check_middles(train%meshes, network, checker)
       allocate (force(size(network%elements)))
       call rest_forces(network, law, train%characteristic_length, force, residual)
+      if (any(train%meshes%axis > 0)) call check_flanks(train, network, force, checker)
       if (residual < largest_residual) return
       call checker%problems%add('how the loops share the mean torque was not found: the displacements round them agree to '// &
                                 text(residual)//' only, 1e-10 is asked: are the stiffnesses in SI units?', 'train', 1, &

@@ -6,12 +6,14 @@ module geartrain_network_check_train
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_drawing_check_drawing, only: check_drawing
+   use geartrain_drawing_check_distances, only: check_distances
    use geartrain_drawing_drawing, only: has_geometry, has_sections, has_stiffness, plain_train
+   use geartrain_network_check_bearing, only: check_bearing
    use geartrain_network_check_coupling, only: check_coupling
    use geartrain_network_check_damping, only: check_damping
    use geartrain_network_check_network, only: check_network
    use geartrain_network_limits, only: check_stiffest
-   use geartrain_train_mesh_groups, only: enter_mesh
+   use geartrain_train_mesh_groups, only: enter_mesh, group_name
    use geartrain_network_scales, only: check_scales
    use geartrain_train_mesh, only: has_table, is_given, mesh_type
    use geartrain_train_shaft, only: shaft_type
@@ -53,6 +55,7 @@ contains
          return
       end if
       call check_drawing(train, checker)
+      call check_distances(train, checker)
       call plain_train(train, plain)
       shafts = 0
       meshes = 0
@@ -62,19 +65,23 @@ contains
          call enter_mesh(checker, train%meshes, i)
          if (train%meshes(i)%is_coupling) then
             call check_coupling(train%meshes(i), checker)
+         else if (train%meshes(i)%axis > 0) then
+            call check_bearing(train%meshes, i, checker)
          else
             call check_stiffness(train%meshes(i), checker%drawing_is_wrong('mesh', i), checker)
             call check_back(train%meshes(i), plain%meshes(i), checker)
             if (i > 1) then
-               if (train%meshes(i - 1)%is_coupling) call checker%problems%add('stands after a coupling: couplings are the last', &
-                                                                              'mesh', i)
+               if (.not. train%meshes(i - 1)%is_pair()) call checker%problems%add('stands after a coupling or a bearing: these &
+                                                                                  &are the last', 'mesh', i)
             end if
          end if
          call checker%leave()
       end do
       if (meshes > 0 .and. .not. allocated(train%bodies)) then
-         if (any(train%meshes%is_coupling)) then
-            call checker%problems%add('joins bodies, but there is no &body: a chain has shafts and gear pairs alone', 'coupling', 1)
+         i = findloc(train%meshes%is_pair(), .false., 1)
+         if (i > 0) then
+            call checker%problems%add('joins bodies, but there is no &body: a chain has shafts and gear pairs alone', &
+                                      trim(group_name(train%meshes, i)), 1)
             return
          end if
       end if
@@ -117,6 +124,8 @@ contains
          end do
          do i = 1, meshes
             call checker%enter('mesh', i)
+            if (train%meshes(i)%line_given) call checker%complain('line_of_action', real_text(train%meshes(i)%line_of_action), &
+               'is for bodies on bearings, but there is no &body: leave it out')
             if (any(train%meshes(i)%between /= '')) &
                call checker%complain('between', "'"//trim(train%meshes(i)%between(1))//"', ...", cure)
             call checker%leave()

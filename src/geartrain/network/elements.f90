@@ -1,9 +1,10 @@
-!> The elements of a train as rows of its nodes: shafts, meshes (couplings among them), springs and dampers to ground. A new kind
-!> of element is one more procedure here.
+!> The elements of a train as rows of its nodes: shafts, meshes (couplings and bearings among them), springs and dampers to ground.
+!> A new kind of element is one more procedure here.
 module geartrain_network_elements
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_rows, only: row_type
    use geartrain_network_nodes, only: nodes_type
+   use geartrain_train_line_of_action, only: find_line
    use geartrain_train_bodies, only: bodies_of, body_count, find_carriers, find_ends
    use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
@@ -16,7 +17,7 @@ module geartrain_network_elements
    type, extends(row_type) :: element_type
       !> Number of the shaft or of the mesh in the train; 0 where the element is none.
       integer :: shaft = 0, mesh = 0
-      !> Bodies of the entries of a shaft or mesh, (entry).
+      !> Bodies of the entries of a shaft or mesh, (entry); entries of displacements follow.
       integer, allocatable :: body(:)
       !> Bodies that stand still, and the displacement that a rotation of them would be [m], (held entry).
       integer, allocatable :: held_body(:)
@@ -51,7 +52,7 @@ contains
       call bodies_of(train, inertia, torque, balancing)
       call find_ends(train, shaft_ends, mesh_ends)
       call find_carriers(train, carrier)
-      if (any(carrier > 0)) call find_turning(train, turning)
+      if (any(carrier > 0) .or. any(train%meshes%axis > 0)) call find_turning(train, turning)
       allocate (elements(size(train%meshes) + count(.not. train%shafts%rigid) + count(nodes%support > 0) &
                          + count(nodes%damping > 0)))
       n = 0
@@ -64,8 +65,14 @@ contains
          end if
          if (i > size(train%meshes)) cycle
          n = n + 1
+         if (train%meshes(i)%axis > 0) then
+            call make_bearing(train%meshes(i), nodes%moves(train%meshes(i)%axis, mesh_ends(1, i)), i, elements(n))
+            cycle
+         end if
          call make_mesh(train, nodes, i, mesh_ends(:, i), inertia, elements(n))
          if (carrier(i) > 0) call put_carrier(train%meshes(i), nodes, [mesh_ends(:, i), carrier(i)], turning, i, elements(n))
+         if (train%meshes(i)%is_pair() .and. any(nodes%moves(:, mesh_ends(:, i)) > 0)) &
+            call put_displacements(train, nodes, mesh_ends(:, i), turning%sense(mesh_ends(1, i)), i, elements(n))
       end do
       do i = 1, size(nodes%inertia)
          if (.not. nodes%support(i) > 0) cycle
@@ -183,6 +190,43 @@ contains
       end function varies
 
    end subroutine make_mesh
+
+   !> Makes one direction of a bearing.
+   pure subroutine make_bearing(bearing, node, i, element)
+      type(mesh_type), intent(in) :: bearing
+      !> Node of the displacement; number of the mesh.
+      integer, intent(in) :: node, i
+      type(element_type), intent(inout) :: element
+
+      element%mesh = i
+      element%node = [node]
+      element%entry = [1.0_dp]
+      call touch_ground(element)
+      element%stiffness = bearing%stiffness
+      element%damping = bearing%damping
+      element%unknown = bearing%is_bent()
+   end subroutine make_bearing
+
+   !> Adds to the row of a gear pair the displacements of its bodies: along the line of action the driving gear comes nearer to the
+   !> driven gear.
+   pure subroutine put_displacements(train, nodes, ends, sense, i, element)
+      type(train_type), intent(in) :: train
+      class(nodes_type), intent(in) :: nodes
+      !> Driving and driven body; sense in which the driving body turns; number of the mesh.
+      integer, intent(in) :: ends(2), sense, i
+      type(element_type), intent(inout) :: element
+      real(dp) :: direction(2)
+      integer :: lacks
+
+      call find_line(train, ends, sense, i, direction, lacks)
+      associate (driving => nodes%moves(:, ends(1)), driven => nodes%moves(:, ends(2)))
+         if (driving(1) > 0) element%node = [element%node, driving]
+         if (driving(1) > 0) element%entry = [element%entry, direction]
+         if (driven(1) > 0) element%node = [element%node, driven]
+         if (driven(1) > 0) element%entry = [element%entry, -direction]
+      end associate
+      element%unknown = .true.
+   end subroutine put_displacements
 
    !> Sets the row of a mesh on a carrier: s [r_a (theta_a - theta_c) + q r_b (theta_b - theta_c)] in rotations of one sense, with
    !> q = 1 for an external and -1 for an internal pair, and s such that the drive flanks bear where the driving gear leads.

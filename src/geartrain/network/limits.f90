@@ -205,7 +205,11 @@ contains
       end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
-            if (mesh%is_coupling) then
+            if (mesh%axis > 0) then
+               call check_element(frequency(i), 'bearing', 'stiffness', mesh%stiffness, 0.0_dp, .true., mesh%damping, &
+                                  'are mass and stiffness in SI units?')
+               cycle
+            else if (mesh%is_coupling) then
                call find_characteristic(mesh%torsional_stiffness, mesh%half_play, mesh%angle, mesh%torque, found)
                associate (k => maxval(found%slope))
                   call check_element(frequency(i)*sqrt(k/found%stiffness), 'coupling', &
@@ -266,9 +270,10 @@ contains
       if (in_order .and. .not. allocated(train%bodies)) &
          in_order = size(train%shafts) == size(train%meshes) + 1 .and. all(train%meshes%driving_inertia > 0 .and. &
                                                                            train%meshes%driven_inertia > 0)
+      if (in_order) in_order = all(train%meshes%axis == 0 .or. train%meshes%mass > 0)
       if (in_order) in_order = .not. (checker%problems%in_group('train') .or. checker%problems%in_group('body') .or. &
                                       checker%problems%in_group('shaft') .or. checker%problems%in_group('mesh') .or. &
-                                      checker%problems%in_group('coupling'))
+                                      checker%problems%in_group('coupling') .or. checker%problems%in_group('bearing'))
    end function in_order
 
    !> Frequency of the slowest mesh [rad/s], see `mesh_frequencies`; neither 0 nor infinite.
@@ -279,7 +284,8 @@ contains
       own_frequency = min(huge(1.0_dp), max(tiny(1.0_dp), minval(mesh_frequencies(train))))
    end function own_frequency
 
-   !> Frequency of each mesh [rad/s], (mesh): of its two gears alone, with the stiffening by loops.
+   !> Frequency of each mesh [rad/s], (mesh): of its two gears alone, with the stiffening by loops; of a bearing of the mass that it
+   !> carries.
    pure function mesh_frequencies(train) result(frequency)
       type(train_type), intent(in) :: train
       real(dp) :: frequency(size(train%meshes))
@@ -297,6 +303,13 @@ contains
       associate (mesh => train%meshes)
          frequency = sqrt(mesh%stiffness)*hypot(mesh%driving_radius/sqrt(inertia(mesh_ends(1, :))), &
                                                       mesh%driven_radius/sqrt(inertia(mesh_ends(2, :))))
+         where (mesh%axis > 0) frequency = sqrt(mesh%stiffness/mesh%mass)
+         do n = 1, size(mesh)
+            if (.not. mesh(n)%is_pair()) cycle
+            ! Masses on bearings come nearer along the line of action.
+            frequency(n) = sqrt(frequency(n)**2 + mesh(n)%stiffness*sum(1/mesh%mass, mesh%axis == 1 .and. &
+               (mesh_ends(1, :) == mesh_ends(1, n) .or. mesh_ends(1, :) == mesh_ends(2, n))))
+         end do
       end associate
       if (.not. allocated(train%bodies)) return
       call build_network(train, network)

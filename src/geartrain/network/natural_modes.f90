@@ -196,9 +196,11 @@ contains
       type(network_type), intent(in) :: network
       !> Force of each element, (element).
       real(dp), intent(in) :: force(:)
-      !> Rotation of each body, largest 1, (body); what it was divided by [rad/s^2].
+      !> Rotation of each body, largest 1, or 0 of a motion of bearings alone, (body); what it was divided by [rad/s^2], or of such
+      !> a motion the largest displacement [m/s^2].
       real(dp), intent(out) :: rotation(:), largest
       real(dp) :: theta(0:size(network%inertia))
+      real(dp), allocatable :: moving(:)
       integer :: n
 
       theta = 0
@@ -207,7 +209,15 @@ contains
             theta(element%node) = theta(element%node) + element%entry*force(n)/network%inertia(element%node)
          end associate
       end do
+      associate (moves => pack(network%moves, network%moves > 0))
+         moving = theta(moves)
+         theta(moves) = 0
+      end associate
       largest = maxval(abs(theta))
+      if (largest <= still*maxval([0.0_dp, abs(moving)])) then
+         theta = 0
+         largest = maxval(abs(moving))
+      end if
       theta = theta/largest
       rotation = theta(network%node)
    end subroutine find_rotations

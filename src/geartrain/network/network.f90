@@ -317,7 +317,10 @@ contains
       logical :: changed
 
       allocate (network%radius(size(network%inertia)), source=0.0_dp)
+      ! Displacements are what they are.
+      network%radius(pack(network%moves, network%moves > 0)) = 1
       begun = network%elements(1)%node(1)
+      if (network%radius(begun) > 0) begun = findloc(abs(network%radius) > 0, .false., 1)
       do while (begun > 0)
          network%radius(begun) = radius_at(network%elements, begun)
          changed = .true.

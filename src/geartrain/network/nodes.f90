@@ -1,4 +1,5 @@
 !> Nodes of a train: bodies, or several bodies on rigid shafts. A body that is held, with all that rigid shafts join to it, is none.
+!> A body on a bearing has two nodes more, its displacements x and y, whose inertia is its mass.
 module geartrain_network_nodes
    use geartrain_base_kinds, only: dp
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
@@ -10,7 +11,9 @@ module geartrain_network_nodes
    type :: nodes_type
       !> Node of each body of the train (geartrain_train_bodies), 0 of a held body, (body).
       integer, allocatable :: node(:)
-      !> Inertia [kg m^2], (node).
+      !> Nodes of the displacements x and y of each body, 0 without a bearing, (2, body).
+      integer, allocatable :: moves(:, :)
+      !> Inertia [kg m^2], of a displacement mass [kg], (node).
       real(dp), allocatable :: inertia(:)
       !> Mean angular acceleration [rad/s^2], 0 but in a run-up; given mean torque less the torque that accelerates the inertia
       !> [N m], (node).
@@ -53,6 +56,14 @@ contains
          if (root(i) == i) number = number + 1
          nodes%node(i) = merge(number, nodes%node(root(i)), root(i) == i)
       end do
+      allocate (nodes%moves(2, size(root)), source=0)
+      do i = 1, size(train%meshes)
+         associate (axis => train%meshes(i)%axis, body => mesh_ends(1, i))
+            if (axis == 0 .or. body == 0) cycle
+            number = number + 1
+            nodes%moves(axis, body) = number
+         end associate
+      end do
       allocate (nodes%inertia(number), nodes%acceleration(number), nodes%torque(number), nodes%magnitude(number), &
                 nodes%damping(number), nodes%support(number), source=0.0_dp)
       do i = 1, size(root)
@@ -64,6 +75,11 @@ contains
             if (.not. allocated(train%bodies)) cycle
             nodes%damping(node) = nodes%damping(node) + train%bodies(i)%damping_to_ground
             nodes%support(node) = nodes%support(node) + train%bodies(i)%stiffness_to_ground
+         end associate
+      end do
+      do i = 1, size(train%meshes)
+         associate (axis => train%meshes(i)%axis, body => mesh_ends(1, i))
+            if (axis > 0 .and. body > 0) nodes%inertia(nodes%moves(axis, body)) = train%meshes(i)%mass
          end associate
       end do
       nodes%balancing = balancing

@@ -21,7 +21,7 @@ module geartrain_network_parameter
    character(*), parameter :: plain_variables(*) = [character(24) :: 'input_torque', 'torque_cos', 'torque_sin', &
       'prime_mover_inertia', 'load_inertia', 'inertia', 'torque', 'damping_to_ground', 'stiffness', 'damping_ratio', 'damping', &
       'driving_radius', 'driven_radius', 'driving_inertia', 'driven_inertia', 'half_backlash', 'half_play', 'angle', &
-      'back_stiffness', 'back_phase', &
+      'back_stiffness', 'back_phase', 'mass', 'half_clearance', 'line_of_action', 'position', &
       'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'error_mean', 'revolution_torque_cos', 'revolution_torque_sin', &
       'driving_error_cos', 'driving_error_sin', 'driven_error_cos', 'driven_error_sin']
    !> Those among them that `phase` turns.
@@ -33,7 +33,8 @@ module geartrain_network_parameter
    !> Those among them that the damping depends on where it follows from the modes.
    character(*), parameter :: modal_variables(*) = [character(24) :: 'input_torque', 'prime_mover_inertia', 'load_inertia', &
       'inertia', 'torque', 'damping_to_ground', 'stiffness', 'damping_ratio', 'damping', 'driving_radius', 'driven_radius', &
-      'driving_inertia', 'driven_inertia', 'back_stiffness', 'half_play', 'angle']
+      'driving_inertia', 'driven_inertia', 'back_stiffness', 'half_play', 'angle', 'mass', 'half_clearance', &
+      'line_of_action', 'position']
    !> Name of the parameter that scales all mesh stiffness variations.
    character(*), parameter :: variation = 'stiffness_variation'
    !> Number of a value that no list has.
@@ -82,12 +83,13 @@ contains
    pure integer function group_count(train, group)
       !> The train.
       type(train_type), intent(in) :: train
-      !> 'body', 'shaft', 'mesh' or 'coupling'.
+      !> 'body', 'shaft', 'mesh', 'coupling' or 'bearing'.
       character(*), intent(in) :: group
 
       group_count = 0
       if (group == 'shaft') group_count = size(train%shafts)
-      if (group == 'mesh') group_count = count(.not. train%meshes%is_coupling)
+      if (group == 'mesh') group_count = count(train%meshes%is_pair())
+      if (group == 'bearing') group_count = count(train%meshes%axis == 1)
       if (group == 'coupling') group_count = count(train%meshes%is_coupling)
       if (group == 'body' .and. allocated(train%bodies)) group_count = size(train%bodies)
    end function group_count
@@ -269,11 +271,11 @@ contains
          parameter%index = whole_number(which)
          if (parameter%group == 'train' .and. which == '') parameter%index = 1
          if (parameter%group == 'train') groups = 1
-         if (all(parameter%group /= [character(8) :: 'train', 'mesh', 'coupling', 'shaft', 'body']) .or. &
+         if (all(parameter%group /= [character(8) :: 'train', 'mesh', 'coupling', 'bearing', 'shaft', 'body']) .or. &
              parameter%group == 'body' .and. .not. allocated(train%bodies)) then
             parameter%index = -1
-            call refuse('must begin with "mesh", "shaft" or, in a network, "coupling", "body" or its name, or be a variable &
-                        &of &train')
+            call refuse('must begin with "mesh", "shaft" or, in a network, "coupling", "bearing", "body" or its name, or &
+                        &be a variable of &train')
             return
          end if
          if (parameter%group == 'body') then

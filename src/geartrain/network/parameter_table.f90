@@ -2,6 +2,7 @@
 module geartrain_network_parameter_table
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: variable_type, visitor_type
+   use geartrain_train_bearing_variables, only: visit_bearing
    use geartrain_train_coupling_variables, only: visit_coupling
    use geartrain_train_mesh_groups, only: group_length, place_of
    use geartrain_train_train, only: train_type
@@ -11,7 +12,8 @@ module geartrain_network_parameter_table
    public :: entry_type, parameter_type, table_type, add_to_parameter
 
    type :: parameter_type
-      !> Group 'train', 'body', 'shaft', 'mesh' or 'coupling'; the variable; number of the group; value of a list, 0: no list.
+      !> Group 'train', 'body', 'shaft', 'mesh', 'coupling' or 'bearing'; the variable; number of the group; value of a list, 0: no
+      !> list.
       character(group_length) :: group = ''
       character(24) :: variable = ''
       integer :: index = 0, item = 0
@@ -94,6 +96,10 @@ contains
             call visit_mesh(train%meshes(i), i, table)
          case ('coupling')
             call visit_coupling(train%meshes(place_of(train%meshes, 'coupling', i)), i, table)
+         case ('bearing')
+            associate (first => place_of(train%meshes, 'bearing', i))
+               call visit_bearing(train%meshes(first:first + 1), i, table)
+            end associate
          end select
       end associate
       if (present(allowed)) allowed = table%allowed

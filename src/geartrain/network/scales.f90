@@ -7,6 +7,7 @@ module geartrain_network_scales
    use geartrain_network_limits, only: in_order, own_frequency
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
    use geartrain_train_gear_error, only: gear_words
+   use geartrain_train_mesh, only: mesh_type
    use geartrain_train_mesh_groups, only: enter_mesh, group_name, group_number, mesh_word
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -64,7 +65,7 @@ contains
                end associate
             end do
             call check_length('mesh', j, 'error_mean', mesh%error_mean, decades(mesh%error_mean), 'it')
-            call check_length(trim(group_name(train%meshes, j)), group_number(train%meshes, j), gap_name(mesh%is_coupling), &
+            call check_length(trim(group_name(train%meshes, j)), group_number(train%meshes, j), trim(gap_name(mesh)), &
                               mesh%half_backlash, decades(mesh%half_backlash), 'it')
             call check_variation(j, 'stiffness_cos', mesh%stiffness_cos)
             call check_variation(j, 'stiffness_sin', mesh%stiffness_sin)
@@ -176,7 +177,7 @@ contains
                   end if
                else if (gap < static - lost) then
                   call enter_mesh(checker, train%meshes, j)
-                  call checker%complain(gap_name(mesh%is_coupling), real_text(mesh%half_backlash), 'must be 0 or larger: it is &
+                  call checker%complain(trim(gap_name(mesh)), real_text(mesh%half_backlash), 'must be 0 or larger: it is &
                      &lost in rounding beside the static deflection (by '//trim(torque_name)//', the radii up to there and the &
                      &stiffness), '// &
                      power(static)//' m')
@@ -192,18 +193,18 @@ contains
 
          words = 'must be 0 or larger: the static deflection of &'//trim(mesh_word(train%meshes, j))//' (by it, the radii up to &
                  &there and the stiffness), '//power(static)//' m, is lost in rounding beside its '// &
-                 gap_name(train%meshes(j)%is_coupling)
+                 gap_name(train%meshes(j))
       end function lost_beside
 
    end subroutine check_scales
 
    !> Variable of the gap of a mesh.
-   pure function gap_name(is_coupling) result(name)
-      !> It is a coupling.
-      logical, intent(in) :: is_coupling
-      character(merge(9, 13, is_coupling)) :: name
+   pure function gap_name(mesh) result(name)
+      type(mesh_type), intent(in) :: mesh
+      character(14) :: name
 
-      name = merge('half_play    ', 'half_backlash', is_coupling)
+      name = merge('half_play    ', 'half_backlash', mesh%is_coupling)
+      if (mesh%axis > 0) name = 'half_clearance'
    end function gap_name
 
    !> Sets the logarithms of `check_scales` [decades].
@@ -214,7 +215,7 @@ contains
       logical :: known(size(radius)), changed
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer, allocatable :: balancing(:)
-      integer :: i
+      integer :: i, k
 
       call find_ends(train, shaft_ends, mesh_ends)
       known = .false.
@@ -234,7 +235,11 @@ contains
       force(balancing) = none
       do i = 1, size(compliance)
          associate (mesh => train%meshes(i), ends => mesh_ends(:, i))
-            compliance(i) = radius(ends(1)) - decades(mesh%driving_radius) - decades(mesh%stiffness)
+            ! A bearing bears the force of a mesh of its body.
+            k = i
+            if (mesh%axis > 0) k = findloc(mesh_ends(1, :i - 1) == ends(1) .or. mesh_ends(2, :i - 1) == ends(1), .true., 1)
+            compliance(i) = radius(mesh_ends(1, max(1, k))) - decades(train%meshes(max(1, k))%driving_radius) &
+                            - decades(mesh%stiffness)
          end associate
       end do
 

@@ -1,6 +1,6 @@
-!> The torque of each shaft, of what holds each held body, and of each coupling, as a sum over the forces of elements and the
-!> torques on bodies. An elastic shaft and a coupling bear their own force times its radius. A rigid shaft joins two sides of one
-!> node with the inertias I_1 and I_2; its torque is what side 1 hands over:
+!> The torque of each shaft, of what holds each held body, and of each coupling, and the force of each bearing in x and in y, as a
+!> sum over the forces of elements and the torques on bodies. An elastic shaft and a coupling bear their own force times its
+!> radius. A rigid shaft joins two sides of one node with the inertias I_1 and I_2; its torque is what side 1 hands over:
 !> S_1 - I_1/(I_1 + I_2) (S_1 + S_2), S the sum of the torques on the bodies of a side.
 module geartrain_network_torque_paths
    use geartrain_base_kinds, only: dp
@@ -13,8 +13,10 @@ module geartrain_network_torque_paths
    public :: torque_paths_type, find_torque_paths
 
    type :: torque_paths_type
-      !> Number of torques, and of shafts, held bodies and couplings: the torques stand in this order.
-      integer :: rows = 0, shafts = 0, held = 0, couplings = 0
+      !> Number of torques and forces, and of shafts, held bodies, couplings and bearings, which have two rows: in this order.
+      integer :: rows = 0, shafts = 0, held = 0, couplings = 0, bearings = 0
+      !> Number of rows that are torques.
+      integer :: torques = 0
       !> .false.: nothing determines the torque, as of a rigid shaft beside other rigid shafts between the same bodies, (row).
       logical, allocatable :: known(:)
       !> Mean torque of the bodies, less what accelerates their inertias [N m], (row): 0 for an elastic shaft.
@@ -41,6 +43,7 @@ contains
       !> The paths.
       type(torque_paths_type), intent(out) :: paths
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), element_of(:), held_body(:), coupling(:)
+      real(dp), allocatable :: radius(:)
       real(dp), dimension(body_count(train)) :: inertia, torque, weight
       integer, allocatable :: balancing(:)
       logical :: held(size(inertia))
@@ -52,12 +55,15 @@ contains
       call find_ends(train, shaft_ends, mesh_ends)
       held_body = pack([(i, i=1, size(held))], held)
       paths%held = size(held_body)
-      ! Elements of the couplings.
-      coupling = pack([(n, n=1, size(train%meshes))], train%meshes%is_coupling)
+      ! Elements of the couplings and bearings, and torque or force per force of each.
+      coupling = pack([(n, n=1, size(train%meshes))], .not. train%meshes%is_pair())
+      radius = merge(coupling_radius, 1.0_dp, train%meshes(coupling)%is_coupling)
       coupling = [(findloc(network%elements%mesh, coupling(n), 1), n=1, size(coupling))]
       paths%shafts = size(train%shafts)
-      paths%couplings = size(coupling)
-      paths%rows = paths%shafts + paths%held + paths%couplings
+      paths%couplings = count(train%meshes%is_coupling)
+      paths%bearings = count(train%meshes%axis == 1)
+      paths%torques = paths%shafts + paths%held + paths%couplings
+      paths%rows = paths%torques + 2*paths%bearings
       allocate (element_of(size(train%shafts)), source=0)
       do n = 1, size(network%elements)
          if (network%elements(n)%shaft > 0) element_of(network%elements(n)%shaft) = n
@@ -71,7 +77,7 @@ contains
          paths%torque_first(s) = size(paths%torque) + 1
          if (s > paths%shafts + paths%held) then
             paths%element = [paths%element, coupling(s - paths%shafts - paths%held)]
-            paths%gain = [paths%gain, coupling_radius]
+            paths%gain = [paths%gain, radius(s - paths%shafts - paths%held)]
          else if (s > size(element_of)) then
             call add_reaction(train, network, shaft_ends, held_body(s - size(element_of)), held, torque, torque_body, s, paths)
          else if (element_of(s) > 0) then
@@ -105,7 +111,7 @@ contains
       do k = 1, size(gain)
          associate (element => network%elements(k))
             if (element%shaft + element%mesh > 0) then
-               gain(k) = -sum(element%entry*weight(element%body))
+               gain(k) = -sum(element%entry(:size(element%body))*weight(element%body))
                acts(k) = abs(gain(k)) > 0
             else
                ! What holds or damps a node holds or damps its bodies.

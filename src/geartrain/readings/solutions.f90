@@ -225,6 +225,12 @@ contains
                motion%shaft_torque_minimum = found%shaft_torque_minimum(:, i)
                motion%shaft_torque_maximum = found%shaft_torque_maximum(:, i)
             end if
+            if (found%bearing_force%bearings > 0) then
+               motion%bearing_force_mean = found%bearing_force%mean(:, :, i)
+               motion%bearing_force_rms = found%bearing_force%rms(:, :, i)
+               motion%bearing_force_minimum = found%bearing_force%minimum(:, :, i)
+               motion%bearing_force_maximum = found%bearing_force%maximum(:, :, i)
+            end if
             if (allocated(found%load_share)) then
                motion%load_share = found%load_share(:, i)
                motion%load_share_maximum = found%load_share_maximum(:, i)

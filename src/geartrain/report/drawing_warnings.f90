@@ -280,9 +280,9 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
       integer :: i
 
-      if (.not. any(plain%meshes%half_backlash > 0 .and. .not. plain%meshes%is_coupling)) return
+      if (.not. any(plain%meshes%half_backlash > 0 .and. plain%meshes%is_pair())) return
       do i = 1, size(plain%meshes)
-         if (plain%meshes(i)%is_coupling) cycle
+         if (.not. plain%meshes(i)%is_pair()) cycle
          if (.not. plain%meshes(i)%half_backlash > 0) call add_warning(warnings, 'mesh', i, 'has no backlash, although other &
             &meshes have it: its teeth cannot separate (60 um are backlash = 60e-6)')
       end do

@@ -12,6 +12,7 @@ module geartrain_report_explain
    use geartrain_network_light_loads, only: reduce_light_loads
    use geartrain_network_system, only: build_system, system_type
    use geartrain_report_drawing_warnings, only: find_warnings
+   use geartrain_report_explain_bearing, only: explain_line
    use geartrain_report_explain_coupling, only: explain_coupling
    use geartrain_report_explain_errors, only: explain_errors, explain_teeth
    use geartrain_report_explain_damping, only: damping_explanation_type
@@ -42,7 +43,7 @@ module geartrain_report_explain
 
 contains
 
-   !> Makes groups of fields: 'train', names of bodies, 'shaft 1', ..., 'mesh 1', ..., 'coupling 1', ..., names of planetary sets.
+   !> Makes groups of fields: 'train', names of bodies, 'shaft 1', ..., 'mesh 1', 'coupling 1', 'bearing 1', ..., names of sets.
    subroutine explain_train(train, fields)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
@@ -65,7 +66,7 @@ contains
          call explain_shaft(context, i, fields)
       end do
       do i = 1, size(train%meshes)
-         if (train%meshes(i)%is_coupling) then
+         if (.not. train%meshes(i)%is_pair()) then
             call explain_coupling(context%given, context%system, context%damping, i, fields)
          else
             call explain_mesh(context, i, fields)
@@ -254,9 +255,7 @@ contains
       labels = mesh_labels(context%given)
       if (.not. fields%enter('mesh '//integer_text(i), trim(labels(i)), .true.)) return
       n = context%system%mesh_element(i)
-      associate (system => context%system)
-         force = system%static_force(n)*system%stiffness(n)*system%characteristic_length
-      end associate
+      force = context%system%static_force(n)*context%system%load_unit(i)
       associate (mesh => context%given%meshes(i), plain => context%plain%meshes(i), g => geometry)
          list = [plain%driving_radius, plain%driven_radius]
          words = source(mesh%driving_radius, 'z m_t cos(alpha_t)/2, ISO 21771')
@@ -334,6 +333,7 @@ contains
          words = 'static, from the mean torques of the bodies'
          if (force < 0) words = words//'; negative: the second body drives the first, and the back flanks bear the load'
          call carry(fields, field_type('mean_force', '', 'N', words), force)
+         call explain_line(context%plain, i, fields)
       end associate
    end subroutine explain_mesh
 

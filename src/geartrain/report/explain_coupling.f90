@@ -7,6 +7,7 @@ module geartrain_report_explain_coupling
    use geartrain_mesh_law_characteristic, only: characteristic_type, find_characteristic
    use geartrain_train_mesh_groups, only: mesh_word
    use geartrain_network_system, only: system_type
+   use geartrain_report_explain_bearing, only: explain_bearing
    use geartrain_report_explain_damping, only: damping_explanation_type
    use geartrain_train_labels, only: label_length, mesh_labels
    use geartrain_train_mesh, only: is_given
@@ -17,7 +18,7 @@ module geartrain_report_explain_coupling
 
 contains
 
-   !> Adds the group of a coupling.
+   !> Adds the group of a coupling, or of a bearing.
    subroutine explain_coupling(train, system, damping, i, fields)
       !> The train as given.
       type(train_type), intent(in) :: train
@@ -25,7 +26,7 @@ contains
       type(system_type), intent(in) :: system
       !> Its damping.
       type(damping_explanation_type), intent(in) :: damping
-      !> Number of the coupling among all meshes.
+      !> Number of the coupling, or of a direction of a bearing, among all meshes.
       integer, intent(in) :: i
       !> Gets the fields.
       class(fields_type), intent(inout) :: fields
@@ -35,6 +36,10 @@ contains
       real(dp), allocatable :: list(:)
       real(dp) :: torque
 
+      if (train%meshes(i)%axis > 0) then
+         if (train%meshes(i)%axis == 1) call explain_bearing(train, system, i, fields)
+         return
+      end if
       labels = mesh_labels(train)
       if (.not. fields%enter(trim(mesh_word(train%meshes, i)), trim(labels(i)), .true.)) return
       associate (coupling => train%meshes(i))

@@ -7,7 +7,7 @@ module geartrain_report_resonances
    use geartrain_base_sorting, only: ascending
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_frequency_unit, only: hertz_per_lambda
-   use geartrain_train_mesh_groups, only: group_number
+   use geartrain_train_mesh_groups, only: short_word
    use geartrain_network_natural_modes, only: modes_type
    use geartrain_readings_frequency_text, only: frequency_text_type, in_width
    use geartrain_readings_summary, only: peak_type, peaks
@@ -178,8 +178,7 @@ contains
          head = in_width('at '//told%unit, 12)//'   order          Hz  mode        '
          if (size(largest) <= most_meshes) then
             do mesh = 1, size(largest)
-               head = head//in_width(trim(merge('coupl', 'mesh ', train%meshes(mesh)%is_coupling))//' '// &
-                                     text(group_number(train%meshes, mesh)), 9)
+               head = head//in_width(trim(short_word(train%meshes, mesh)), 9)
             end do
          else
             head = head//'  largest  mesh'

@@ -6,6 +6,7 @@ module geartrain_trace_branch
    use geartrain_base_fields, only: arranging, fields_type, listing, reading, writing
    use geartrain_base_kinds, only: dp
    use geartrain_base_words, only: words_type
+   use geartrain_flow_bearing_fields, only: bearing_forces_type, visit_bearings
    use geartrain_flow_load_share_fields, only: about_planet, carry_shares
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_settings, only: response_settings_type
@@ -104,6 +105,8 @@ module geartrain_trace_branch
       !> Torque of each shaft, then of what holds each held body, then of each coupling, over the period [N m], (shaft, then held
       !> body, then coupling, point); NaN where nothing determines it. Allocated where asked for.
       real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
+      !> Forces of bearings.
+      type(bearing_forces_type) :: bearing_force
       !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet, point); not
       !> allocated: no planets.
       real(dp), allocatable :: load_share(:, :), load_share_maximum(:, :)
@@ -347,6 +350,7 @@ contains
          call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &
                             branch%shaft_torque_maximum)
       end if
+      call visit_bearings(branch%bearing_force, fields)
       if (fields%has('load_share', allocated(branch%load_share))) then
          call fields%index_axis('planet', branch%planets, about_planet)
          call carry_shares(fields, branch%load_share, branch%load_share_maximum)

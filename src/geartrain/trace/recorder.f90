@@ -82,6 +82,7 @@ contains
          if (whole .and. balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
       end if
       if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
+      if (self%shaft_torque) branch%bearing_force%bearings = balance%system%torque_paths%bearings
       branch%planets = size(balance%system%sharing%mesh)
       if (branch%planets > 0) allocate (branch%load_share(0, 0))
       call arrange_points(branch, [integer ::], 16)
@@ -156,9 +157,7 @@ contains
             call balance%contact(j)%shares(load%separation, load%back_contact)
          end associate
       end do
-      if (self%shaft_torque) call find_shaft_torques(balance, self%transform, &
-                                                     branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
-                                                     branch%shaft_torque_maximum(:, n))
+      if (self%shaft_torque) call put_torques(self, balance, n, branch)
       if (branch%planets > 0) call share_load(balance, n, branch)
       if (self%stability) then
          call system_clock(began, rate)
@@ -185,6 +184,27 @@ contains
       end if
       branch%points = n
    end subroutine add
+
+   !> Sets the torques of shafts and the forces of bearings at point n.
+   subroutine put_torques(self, balance, n, branch)
+      class(recorder_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: n
+      type(branch_type), intent(inout) :: branch
+      real(dp), dimension(balance%system%torque_paths%rows) :: mean, low, high, ac
+
+      call find_shaft_torques(balance, self%transform, mean, low, high, ac)
+      associate (torques => balance%system%torque_paths%torques, force => branch%bearing_force)
+         branch%shaft_torque_mean(:, n) = mean(:torques)
+         branch%shaft_torque_minimum(:, n) = low(:torques)
+         branch%shaft_torque_maximum(:, n) = high(:torques)
+         if (force%bearings == 0) return
+         force%mean(:, :, n) = reshape(mean(torques + 1:), [2, force%bearings])
+         force%rms(:, :, n) = reshape(ac(torques + 1:), [2, force%bearings])
+         force%minimum(:, :, n) = reshape(low(torques + 1:), [2, force%bearings])
+         force%maximum(:, :, n) = reshape(high(torques + 1:), [2, force%bearings])
+      end associate
+   end subroutine put_torques
 
    !> Sets the load shares of the planets at point n, whose mesh loads are set.
    subroutine share_load(balance, n, branch)

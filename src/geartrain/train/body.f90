@@ -42,6 +42,8 @@ module geartrain_train_body
       !> `ratio_given`, where the gears alone do not determine all speeds.
       real(dp) :: speed_ratio = 0
       logical :: ratio_given = .false.
+      !> Position of the axis in the transverse plane, x and y [m]; empty: not given.
+      real(dp), allocatable :: position(:)
       !> The mean torque of the body balances the mean torques of all others.
       logical :: balances = .false.
    end type body_type

@@ -45,7 +45,7 @@ module geartrain_train_kinematics
 
 contains
 
-   !> Whether every gear pair has the numbers of teeth of both gears; so it is where there are couplings alone.
+   !> Whether every gear pair has the numbers of teeth of both gears; so it is where there are none.
    pure logical function all_toothed(train)
       !> The train; its meshes are allocated.
       type(train_type), intent(in) :: train
@@ -54,7 +54,7 @@ contains
       all_toothed = size(train%meshes) > 0
       do i = 1, size(train%meshes)
          if (.not. all_toothed) return
-         if (train%meshes(i)%is_coupling) cycle
+         if (.not. train%meshes(i)%is_pair()) cycle
          all_toothed = is_given(train%meshes(i)%teeth)
          if (all_toothed) all_toothed = size(train%meshes(i)%teeth) == 2
          if (all_toothed) all_toothed = all(train%meshes(i)%teeth >= 1 .and. train%meshes(i)%teeth <= 1e5_dp)
@@ -91,7 +91,7 @@ contains
       if (any(signed(2, :) == 0)) return
       do i = 1, size(train%meshes)
          engaging(:, i) = [0, 1]
-         if (train%meshes(i)%is_coupling) cycle
+         if (.not. train%meshes(i)%is_pair()) cycle
          engaging(:, i) = engaged(i, 1)
          ! Both gears of a pair engage as often, an external pair in opposite senses.
          if (any(engaging(:, i) /= engaged(i, 2)*[merge(1_int64, -1_int64, train%meshes(i)%internal), 1_int64])) return
@@ -115,7 +115,7 @@ contains
             revolving(:, i) = revolving(:, i)/greatest_divisor(revolving(1, i), revolving(2, i))
          end do
       end if
-      if (any(engaging(1, :) == 0 .and. .not. train%meshes%is_coupling) .or. any(engaging > most)) return
+      if (any(engaging(1, :) == 0 .and. train%meshes%is_pair()) .or. any(engaging > most)) return
       divisor = 0
       common = 1
       do i = 1, size(engaging, 2)

@@ -3,10 +3,11 @@
 module geartrain_train_labels
    use geartrain_train_bodies, only: body_count
    use geartrain_train_body, only: name_length
+   use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: body_labels, coupling_labels, held_labels, label_length, mesh_labels, shaft_labels
+   public :: bearing_labels, body_labels, coupling_labels, held_labels, label_length, mesh_labels, shaft_labels
 
    !> Most characters of a label.
    integer, parameter :: label_length = 2*name_length + 16
@@ -50,15 +51,13 @@ contains
       end do
    end function held_labels
 
-   !> Labels of the couplings, which are the last of the meshes, (coupling).
+   !> Labels of the couplings, (coupling).
    pure function coupling_labels(train) result(labels)
       !> A train that is in order.
       type(train_type), intent(in) :: train
       character(label_length) :: labels(count(train%meshes%is_coupling))
 
-      associate (all_meshes => mesh_labels(train))
-         labels = all_meshes(size(all_meshes) - size(labels) + 1:)
-      end associate
+      labels = pack(mesh_labels(train), train%meshes%is_coupling)
    end function coupling_labels
 
    !> Labels of the meshes, their names or the driving body first; no two are equal, (mesh).
@@ -69,9 +68,27 @@ contains
       integer :: i
 
       do i = 1, size(labels)
-         call find_label('mesh', train%meshes(i)%between, train%meshes(i)%name, labels, i)
+         call find_label('mesh', train%meshes(i)%between, name_of(train%meshes(i)), labels, i)
       end do
    end function mesh_labels
+
+   !> Name of a mesh, blank: none. A bearing is named by its body, 'pinion bearing x'.
+   pure function name_of(mesh) result(name)
+      type(mesh_type), intent(in) :: mesh
+      character(label_length) :: name
+
+      name = mesh%name
+      if (mesh%axis > 0) name = trim(mesh%between(1))//' bearing '//merge('x', 'y', mesh%axis == 1)
+   end function name_of
+
+   !> Names of the bodies on bearings, (bearing).
+   pure function bearing_labels(train) result(labels)
+      !> A train that is in order.
+      type(train_type), intent(in) :: train
+      character(label_length) :: labels(count(train%meshes%axis == 1))
+
+      labels = pack(train%meshes%between(1), train%meshes%axis == 1)
+   end function bearing_labels
 
    !> Labels of the shafts; no two are equal, (shaft).
    pure function shaft_labels(train) result(labels)

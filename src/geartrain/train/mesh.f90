@@ -1,4 +1,5 @@
-!> A gear pair in SI units; or a coupling, which is a gear pair of equal radii for all that computes.
+!> A gear pair in SI units; or a coupling, which is a gear pair of equal radii for all that computes; or one direction of a
+!> bearing, which for the rotations is a gear pair of a body with itself: nothing.
 module geartrain_train_mesh
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_series, only: delay, make_series, series_type, table_harmonics
@@ -9,8 +10,8 @@ module geartrain_train_mesh
    use geartrain_train_gear_error, only: gear_error_type
    implicit none (type, external)
    private
-   public :: mesh_type, coupling_radius, has_table, is_given, most_order, new_coupling, plain_coupling, plain_mesh, put_law, &
-      straighten
+   public :: mesh_type, coupling_radius, has_table, is_given, most_order, new_bearing, new_coupling, plain_coupling, plain_mesh, &
+      put_law, straighten
 
    !> Displacement of a coupling per twist [m/rad]: 1 um stands for 1 mrad.
    real(dp), parameter :: coupling_radius = 1e-3_dp
@@ -85,8 +86,18 @@ module geartrain_train_mesh
       !> torques [N m].
       real(dp) :: torsional_stiffness = 0, torsional_damping = 0, half_play = 0
       real(dp), allocatable :: angle(:), torque(:)
+      !> Of a gear pair on bearings: direction in which the driving gear pushes the driven gear [degree from the x axis to the y
+      !> axis], in force when `line_given`; else by the positions of the axes.
+      real(dp) :: line_of_action = 0
+      logical :: line_given = .false.
+      !> Direction of a bearing, 1: x, 2: y; 0: no bearing. Bearings stand after the couplings, x before y. Their variables are
+      !> between (the body twice), stiffness, damping and half_backlash (half of the clearance [m]) of the direction, and `mass`.
+      integer :: axis = 0
+      !> Mass of the body that the bearing carries [kg].
+      real(dp) :: mass = 0
    contains
       procedure :: is_bent
+      procedure :: is_pair
    end type mesh_type
 
 contains
@@ -115,6 +126,25 @@ contains
       coupling%driving_radius = coupling_radius
       coupling%driven_radius = coupling_radius
    end function new_coupling
+
+   !> A direction of a bearing without values.
+   pure type(mesh_type) function new_bearing(axis) result(bearing)
+      !> 1: x, 2: y.
+      integer, intent(in) :: axis
+
+      bearing%axis = axis
+      bearing%internal = .true.
+      bearing%driving_radius = 1
+      bearing%driven_radius = 1
+      bearing%damping_given = .true.
+   end function new_bearing
+
+   !> Whether it is a gear pair.
+   elemental logical function is_pair(self)
+      class(mesh_type), intent(in) :: self
+
+      is_pair = .not. (self%is_coupling .or. self%axis > 0)
+   end function is_pair
 
    !> Whether the force is not proportional to the displacement: there is a gap, or a coupling has stages.
    pure logical function is_bent(self)

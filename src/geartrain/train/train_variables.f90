@@ -1,9 +1,10 @@
-!> The table of input variables of the train, its bodies, shafts, meshes and couplings.
+!> The table of input variables of the train, its bodies, shafts, meshes, couplings and bearings.
 !>
 !> The initial values of the types are the defaults. A visitor visits the values in the order of a case file.
 module geartrain_train_train_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_train_bearing_variables, only: visit_bearing
    use geartrain_train_coupling_variables, only: visit_coupling
    use geartrain_train_gear_error, only: visit_gear_error
    use geartrain_train_body, only: body_type
@@ -19,13 +20,14 @@ module geartrain_train_train_variables
 
 contains
 
-   !> Visits the train, its bodies and planetary sets, then shaft 1, mesh 1, shaft 2, ..., then the couplings.
+   !> Visits the train, its bodies and planetary sets, then shaft 1, mesh 1, shaft 2, ..., then the couplings and
+   !> bearings.
    subroutine visit_model(train, visitor)
       !> The train; the visitor may change it.
       type(train_type), intent(inout) :: train
       !> Reads, checks, sets or lists each variable.
       class(visitor_type), intent(inout) :: visitor
-      integer :: i, shafts, meshes
+      integer :: i, shafts, meshes, first
 
       call visit_train(train, visitor)
       if (allocated(train%bodies)) then
@@ -41,14 +43,18 @@ contains
       shafts = 0
       meshes = 0
       if (allocated(train%shafts)) shafts = size(train%shafts)
-      if (allocated(train%meshes)) meshes = count(.not. train%meshes%is_coupling)
+      if (allocated(train%meshes)) meshes = count(train%meshes%is_pair())
       do i = 1, max(shafts, meshes)
          if (i <= shafts) call visit_shaft(train%shafts(i), i, visitor)
          if (i <= meshes) call visit_mesh(train%meshes(i), i, visitor)
       end do
       if (.not. allocated(train%meshes)) return
-      do i = meshes + 1, size(train%meshes)
+      first = size(train%meshes) - count(train%meshes%axis > 0) + 1
+      do i = meshes + 1, first - 1
          call visit_coupling(train%meshes(i), i - meshes, visitor)
+      end do
+      do i = first, size(train%meshes) - 1, 2
+         call visit_bearing(train%meshes(i:i + 1), (i - first)/2 + 1, visitor)
       end do
    end subroutine visit_model
 
@@ -132,6 +138,8 @@ contains
       call v%on_logical(row('held', '', 'the body stands still, as a housing; its reaction torque is a result'), body%held)
       call v%on_real(row('speed_ratio', '', 'mean speed of the body over that of the body of speed_of, negative in the opposite &
                          &sense; only where the gears leave it free, as in a differential'), body%speed_ratio, body%ratio_given)
+      call v%on_list(row('position', 'm', 'position of the axis in the transverse plane, x and y, where the body of speed_of turns &
+                         &from x to y; for meshes of bodies on bearings', values=2), body%position)
       call v%on_logical(row('balances', '', 'the mean torque of the body balances all other torques, in a run-up also the &
                             &acceleration of the inertias; .true. for as many bodies as there are independent speeds, for none &
                             &where a spring to ground holds the train'), body%balances)
@@ -258,6 +266,9 @@ contains
                      mesh%error_mean)
       call visit_gear_error(mesh%gear_error(1), 1, v)
       call visit_gear_error(mesh%gear_error(2), 2, v)
+      call v%on_real(row('line_of_action', 'degree', 'of bodies on bearings: direction in which the driving gear pushes the driven &
+                         &gear, from the x axis towards the y axis; default: from the positions of the axes', least=-360*one, &
+                         most=360*one), mesh%line_of_action, mesh%line_given)
       call v%on_integer(row('order', '', 'mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh &
                             &has them, else 1', least=one, most=most_order*one, automatic=zero), mesh%order)
       call v%leave()
