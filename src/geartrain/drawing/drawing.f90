@@ -87,7 +87,7 @@ contains
          if (found%known) then
             where (train%meshes%order == 0) plain%meshes%order = found%order
             do i = 1, size(train%meshes)
-               if (train%meshes(i)%is_coupling) cycle
+               if (.not. train%meshes(i)%is_pair()) cycle
                do gear = 1, 2
                   plain%meshes(i)%gear_error(gear)%order = max(1, found%order(i)/nint(train%meshes(i)%teeth(gear)))
                end do
