@@ -101,6 +101,9 @@ class Motion(Pictures):
         set; nan without load, None without planets.
     coupling_torque_mean, coupling_torque_minimum, coupling_torque_maximum : ndarray, (couplings,), or None
         In N m, over the period, positive where the first body of a coupling drives; None without couplings.
+    coupling_energy_loss : ndarray, (couplings,), or None
+        Energy in J that damping and friction of each coupling take in a period of the fundamental; times
+        ``fundamental_frequency`` it is a power in W. None without couplings.
     train : Train
         The train that moves so.
     """
@@ -147,6 +150,7 @@ class Motion(Pictures):
     coupling_torque_mean: Array | None = None
     coupling_torque_minimum: Array | None = None
     coupling_torque_maximum: Array | None = None
+    coupling_energy_loss: Array | None = None
     train: Description | None = field(default=None, repr=False)
 
     @property

@@ -14,7 +14,9 @@ __all__ = ["NUMBERS", "OTHER_TORQUES", "SHARES", "TORQUES", "UNCERTAINTIES", "VA
 #: Values of every shaft; None where the motion has none.
 TORQUES = ("shaft_torque_mean", "shaft_torque_minimum", "shaft_torque_maximum")
 #: Values of every held body and of every coupling; None where the train has none.
-OTHER_TORQUES = tuple(f"{of}_torque_{what}" for of in ("reaction", "coupling") for what in ("mean", "minimum", "maximum"))
+OTHER_TORQUES = (
+    *(f"{of}_torque_{what}" for of in ("reaction", "coupling") for what in ("mean", "minimum", "maximum")), "coupling_energy_loss",
+)
 #: Values of every planet of planetary sets; None where the train has none.
 SHARES = ("load_share", "load_share_maximum")
 #: What a longer window changes of the figures, of every mesh and of every shaft; None where there is no window.

@@ -113,7 +113,7 @@ def as_columns(motions: Sequence[Any]) -> dict[str, Any]:
         "period": np.array([motion.period for motion in motions], np.intc),
         "kind": np.array([motion.kind for motion in motions], object),
         **{name: np.array([getattr(motion, name) for motion in motions], float) for name in VALUES},
-        **{name: _padded([getattr(motion, name) for motion in motions]) for name in (*TORQUES, *SHARES, *UNCERTAINTIES)},
+        **{name: _padded([getattr(motion, name) for motion in motions]) for name in (*TORQUES, *OTHER_TORQUES, *SHARES, *UNCERTAINTIES)},
         "window": np.array([float(motion.window) for motion in motions]) if any(motion.window for motion in motions) else None,
         "true_ac_rms": np.array([motion.rms for motion in motions], float) / np.sqrt(2),
         "coefficients": _padded([motion.coefficients for motion in motions]),

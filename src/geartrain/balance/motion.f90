@@ -36,6 +36,9 @@ module geartrain_balance_motion
       real(dp), allocatable :: shaft_torque_mean(:), shaft_torque_minimum(:), shaft_torque_maximum(:)
       !> Numbers of held bodies and of couplings in these lists.
       integer :: held = 0, couplings = 0
+      !> Energy that each coupling loses to damping and friction in a period of the fundamental [J], (coupling); not allocated: no
+      !> couplings.
+      real(dp), allocatable :: coupling_energy_loss(:)
       !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet); not allocated:
       !> no planets.
       real(dp), allocatable :: load_share(:), load_share_maximum(:)

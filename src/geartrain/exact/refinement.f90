@@ -210,6 +210,7 @@ contains
          branch%shaft_torque_minimum(:, i) = motion%shaft_torque_minimum
          branch%shaft_torque_maximum(:, i) = motion%shaft_torque_maximum
       end if
+      if (allocated(branch%coupling_energy_loss)) branch%coupling_energy_loss(:, i) = motion%coupling_energy_loss
       if (allocated(branch%load_share)) then
          branch%load_share(:, i) = motion%load_share
          branch%load_share_maximum(:, i) = motion%load_share_maximum

@@ -5,7 +5,7 @@ module geartrain_network_check_network
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_network_check_coupling, only: check_middles
+   use geartrain_network_check_coupling, only: check_friction, check_middles
    use geartrain_network_check_turning, only: check_joints, check_turning
    use geartrain_train_mesh_groups, only: enter_mesh, group_name
    use geartrain_network_network, only: build_network, network_type
@@ -300,6 +300,7 @@ contains
       end do
       call build_network(train, network)
       call check_middles(train%meshes, network, checker)
+      call check_friction(train%meshes, network, checker)
       allocate (force(size(network%elements)))
       call rest_forces(network, law, train%characteristic_length, force, residual)
       if (residual < largest_residual) return

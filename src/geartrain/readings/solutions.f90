@@ -225,6 +225,7 @@ contains
                motion%shaft_torque_minimum = found%shaft_torque_minimum(:, i)
                motion%shaft_torque_maximum = found%shaft_torque_maximum(:, i)
             end if
+            if (allocated(found%coupling_energy_loss)) motion%coupling_energy_loss = found%coupling_energy_loss(:, i)
             if (allocated(found%load_share)) then
                motion%load_share = found%load_share(:, i)
                motion%load_share_maximum = found%load_share_maximum(:, i)

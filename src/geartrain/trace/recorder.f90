@@ -5,6 +5,7 @@ module geartrain_trace_recorder
    use geartrain_balance_balanced_torque, only: find_shaft_torques, mean_forces
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_balance_mesh_load, only: force_reader_type, load_resolution
+   use geartrain_balance_coupling_loss, only: find_coupling_losses
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: power
@@ -82,6 +83,7 @@ contains
          if (whole .and. balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
       end if
       if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
+      if (self%shaft_torque .and. branch%couplings > 0) allocate (branch%coupling_energy_loss(0, 0))
       branch%planets = size(balance%system%sharing%mesh)
       if (branch%planets > 0) allocate (branch%load_share(0, 0))
       call arrange_points(branch, [integer ::], 16)
@@ -159,6 +161,8 @@ contains
       if (self%shaft_torque) call find_shaft_torques(balance, self%transform, &
                                                      branch%shaft_torque_mean(:, n), branch%shaft_torque_minimum(:, n), &
                                                      branch%shaft_torque_maximum(:, n))
+      if (allocated(branch%coupling_energy_loss)) &
+         call find_coupling_losses(balance, coefficients, branch%coupling_energy_loss(:, n))
       if (branch%planets > 0) call share_load(balance, n, branch)
       if (self%stability) then
          call system_clock(began, rate)

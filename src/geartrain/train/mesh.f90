@@ -80,6 +80,8 @@ module geartrain_train_mesh
       !> torques [N m].
       real(dp) :: torsional_stiffness = 0, torsional_damping = 0, half_play = 0
       real(dp), allocatable :: angle(:), torque(:)
+      !> Dry friction of a coupling, largest torque [N m].
+      real(dp) :: friction_torque = 0
    contains
       procedure :: is_bent
    end type mesh_type
