@@ -166,6 +166,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "damping_ratio": Variable("damping_ratio", "real", "float", 0.0, False, "c/(2 sqrt(k m)) as of a shaft, with the slope k beside the play on the side of positive torques or, without play, at the torque 0; >= 0"),
         "damping": Variable("damping", "real", "float", None, False, "Damping coefficient, in place of damping_ratio; [N m s/rad]; >= 0"),
         "loss_factor": Variable("loss_factor", "real", "float", 0.0, False, "Structural damping, in place of damping_ratio, as of a mesh; >= 0 and <= 2"),
+        "friction_torque": Variable("friction_torque", "real", "float", 0.0, False, "Dry friction, beside stiffness and damping: up to this torque the coupling sticks; [N m]; >= 0"),
         "damping_acts": Variable("damping_acts", "text", "Literal['always', 'contact']", "always", False, "Always, or only in contact: no damping within the play; 'always' or 'contact'"),
     },
     "bearing": {
@@ -442,6 +443,7 @@ class Coupling(Part, variables=VARIABLES["coupling"]):
     damping_ratio: float | None = None
     damping: float | None = None
     loss_factor: float | None = None
+    friction_torque: float | None = None
     damping_acts: Literal["always", "contact"] | None = None
 
 

@@ -102,7 +102,7 @@ def test_free_oscillation(law):
         half += quad(slowness, 0, np.pi, args=((a + b) / 2, (b - a) / 2), limit=400, epsabs=1e-13, epsrel=1e-11)[0]
     state = np.array([(far - middle) * PER_TWIST, 0.0])
     frequency = 2 * np.pi / (2 * half) / RATE
-    motion = replace(from_state(state, 1, 2), frequency=frequency, train=train, coefficients=np.zeros((1, 1)))
+    motion = replace(from_state(state, 1, 2), frequency=frequency, train=train, coefficients=np.zeros((1, 1)), period=0)
     path = motion.trajectory(3)
     per_period = len(path.time) // 3
     error = np.abs(path.displacement[[per_period, 2 * per_period], 0] - state[0]) / state[0]
@@ -136,6 +136,34 @@ def test_like_a_gear_pair():
     assert one.mesh_force_maximum[1] == pytest.approx(radius * other.mesh_force_maximum[1], rel=1e-9)
     assert one.separation_fraction == pytest.approx(other.separation_fraction, abs=1e-9)
     assert np.sort_complex(one.multipliers) == pytest.approx(np.sort_complex(other.multipliers), abs=1e-8)
+
+
+@pytest.mark.parametrize("acts", ["always", "contact"])
+def test_energy_loss(acts):
+    """What damping takes in a period: by the amplitude of a linear coupling; else the work of the torque that moves the rotor."""
+    swing, damping, inertia = 30.0, 4.0, 0.02
+    play = {"half_play": 0.004, "damping_acts": acts} if acts == "contact" else {}
+    train = rotor(3.0, stiffness=4.0e3, damping=damping, **play)
+    train = replace(train, bodies=[replace(train.bodies[0], torque_cos=[swing]), train.bodies[1]])
+    motions = [train.integrate(frequency=0.2), *train.response(start=0.19, stop=0.21, harmonics=60).at(0.2)]
+    omega = 0.2 * RATE
+    for motion, error in zip(motions, (1e-9, 1e-4 if play else 1e-9), strict=True):
+        if not play:
+            twist = swing / abs(4.0e3 - inertia * omega**2 + 1j * omega * damping)
+            assert motion.coupling_energy_loss[0] == pytest.approx(np.pi * damping * omega * twist**2, rel=1e-10)
+        # Of the torque swing cos(omega t) only the sine of the twist, at order 1, takes up energy.
+        work = np.pi * swing * motion.coefficients[0, 2] / PER_TWIST
+        assert motion.coupling_energy_loss[0] == pytest.approx(work, rel=error)
+
+
+def test_energy_loss_of_branches(tmp_path):
+    branch = driveline(2, damping=0.5, **STAGES).response(start=0.2, stop=0.22, harmonics=12)
+    assert branch.coupling_energy_loss.shape == (len(branch), 2)
+    assert branch.to_dataset().coupling_energy_loss.dims == ("point", "coupling")
+    motion = branch.at(0.21)[0]
+    assert motion.refine().coupling_energy_loss == pytest.approx(motion.coupling_energy_loss, rel=0.01)
+    branch.write(tmp_path / "loss.h5")
+    assert (gt.read_results(tmp_path / "loss.h5").response.coupling_energy_loss == branch.coupling_energy_loss).all()
 
 
 # Other equations
@@ -339,6 +367,25 @@ def test_parameters():
     by_corner = driveline(damping=0.8, **BENT)
     motion = by_corner.response(start=0.24, stop=0.26, harmonics=20).at(0.25)[0]
     assert np.isfinite(motion.gradient("rms", ["coupling 1 torque 4", "coupling 1 angle 3"])).all()
+
+
+@pytest.mark.full
+def test_loci():
+    """The resonance's fold and the onset of play over numbers of a coupling: points of the branches of other trains."""
+    train = driveline(swing=80.0, stiffness=3.0e3, damping=0.8, half_play=0.004)
+    branch = train.response(start=0.3, stop=0.7, harmonics=24)
+    fold = next(point for point in branch.special_points if point.kind == "fold")
+    for name, value, other in (("half_play", 0.004, 0.0045), ("stiffness", 3.0e3, 3.1e3)):
+        parameter = f"coupling 1 {name}"
+        locus = train.locus(fold, parameter=parameter, start=value, stop=other)
+        changed = replace(train, couplings=[replace(train.couplings[0], **{name: other})])
+        folds = [point.exact().frequency for point in changed.response(start=0.3, stop=0.7, harmonics=24).special_points
+                 if point.kind == "fold"]
+        assert locus.parameter[-1] == pytest.approx(other, rel=1e-9)
+        assert np.abs(np.array(folds) - locus.frequency[-1]).min() < 1e-8 * locus.frequency[-1]
+        step = 1e-3 * value
+        beside = [train.locus(fold, parameter=parameter, start=value, stop=value + sign * step).frequency[-1] for sign in (1, -1)]
+        assert fold.exact().gradient([parameter])[0] == pytest.approx((beside[0] - beside[1]) / (2 * step), rel=1e-3)
 
 
 def test_files_and_pictures(tmp_path):

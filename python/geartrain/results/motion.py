@@ -106,6 +106,9 @@ class Motion(Pictures, Recording):
     bearing_force_mean, bearing_force_rms, bearing_force_minimum, bearing_force_maximum : ndarray, (bearings, 2), or None
         In N, in x and y, over the period, positive where the body pushes in the positive direction; ``rms`` is the root mean
         square over time without the mean. None without bearings.
+    coupling_energy_loss : ndarray, (couplings,), or None
+        Energy in J that damping and friction of each coupling take in a period of the fundamental; times
+        ``fundamental_frequency`` it is a power in W. None without couplings.
     train : Train
         The train that moves so.
     """
@@ -156,6 +159,7 @@ class Motion(Pictures, Recording):
     bearing_force_rms: Array | None = None
     bearing_force_minimum: Array | None = None
     bearing_force_maximum: Array | None = None
+    coupling_energy_loss: Array | None = None
     train: Description | None = field(default=None, repr=False)
 
     @property

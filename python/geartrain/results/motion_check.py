@@ -16,7 +16,7 @@ TORQUES = ("shaft_torque_mean", "shaft_torque_minimum", "shaft_torque_maximum")
 #: Values of every held body and of every coupling, and forces of every bearing; None where the train has none.
 OTHER_TORQUES = (
     *(f"{of}_torque_{what}" for of in ("reaction", "coupling") for what in ("mean", "minimum", "maximum")),
-    *(f"bearing_force_{what}" for what in ("mean", "rms", "minimum", "maximum")),
+    *(f"bearing_force_{what}" for what in ("mean", "rms", "minimum", "maximum")), "coupling_energy_loss",
 )
 #: Values of every planet of planetary sets; None where the train has none.
 SHARES = ("load_share", "load_share_maximum")

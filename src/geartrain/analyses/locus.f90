@@ -9,6 +9,7 @@ module geartrain_analyses_locus
    use geartrain_base_error, only: error_type, fatal, in_a_line, status_ended_early, status_input
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_network_check_coupling, only: refuse_friction
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: counted, significant, text
    use geartrain_base_observer, only: observer_type
@@ -105,6 +106,7 @@ contains
       integer :: meshes
 
       if (checker%problems%in_group('locus') .or. checker%problems%of_train()) return
+      call refuse_friction(train, 'a locus', checker)
       associate (settings => self%settings)
          call checker%enter('locus', 1)
          call check_unit(train, settings%unit, checker)

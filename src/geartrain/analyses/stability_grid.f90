@@ -7,6 +7,7 @@ module geartrain_analyses_stability_grid
    use geartrain_base_error, only: error_type, in_a_line
    use geartrain_base_field, only: field => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
+   use geartrain_network_check_coupling, only: refuse_friction
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
@@ -145,6 +146,7 @@ contains
       logical :: within
 
       if (checker%problems%in_group('stability_map')) return
+      call refuse_friction(train, 'a stability map', checker)
       call checker%enter('stability_map', 1)
       ! A branch needs a range; the linear train does not.
       if (abs(settings%start - settings%stop) <= 0 .and. (settings%points > 1 .or. .not. settings%linear)) &

@@ -40,6 +40,9 @@ module geartrain_balance_motion
       !> allocated: not computed, or no bearings.
       real(dp), allocatable :: bearing_force_mean(:, :), bearing_force_rms(:, :), bearing_force_minimum(:, :), &
          bearing_force_maximum(:, :)
+      !> Energy that each coupling loses to damping and friction in a period of the fundamental [J], (coupling); not allocated: no
+      !> couplings.
+      real(dp), allocatable :: coupling_energy_loss(:)
       !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet); not allocated:
       !> no planets.
       real(dp), allocatable :: load_share(:), load_share_maximum(:)

@@ -10,6 +10,7 @@ module geartrain_derivatives_motion_gradient
    use geartrain_base_kinds, only: dp
    use geartrain_base_nearest, only: nearest_name
    use geartrain_base_series, only: series_type
+   use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_gradient, only: begin_gradient, gradient_type, parameters_type, reason_length, sides_type
    use geartrain_network_system, only: system_type
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
@@ -52,6 +53,8 @@ contains
       integer :: i, n
 
       call given%setup(train, names, error)
+      if (has_friction(train)) call fatal(error, 'gradient: friction_torque: derivatives of motions are those of the harmonic &
+                                          &balance, which does not have dry friction; take differences of refined motions')
       if (.not. any(figure_names == figure)) then
          i = nearest_name(figure, figure_names)
          if (i > 0) call fatal(error, 'gradient: figure "'//figure//'": unknown (did you mean "'//trim(figure_names(i))//'"?)')

@@ -216,6 +216,7 @@ contains
          branch%bearing_force%minimum(:, :, i) = motion%bearing_force_minimum
          branch%bearing_force%maximum(:, :, i) = motion%bearing_force_maximum
       end if
+      if (allocated(branch%coupling_energy_loss)) branch%coupling_energy_loss(:, i) = motion%coupling_energy_loss
       if (allocated(branch%load_share)) then
          branch%load_share(:, i) = motion%load_share
          branch%load_share_maximum(:, i) = motion%load_share_maximum

@@ -9,8 +9,10 @@
 !> coordinates.
 module geartrain_flow_flow
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_flow_dry_friction, only: friction_type, undecided
+   use geartrain_flow_friction_events, only: begin_friction, change_mode, meet_jump
    use geartrain_flow_taylor, only: add_waves, last_term, recur, series_value, sum_series
-   use geartrain_linalg_first_root, only: first_root
+   use geartrain_flow_wall_event, only: first_wall
    use geartrain_network_system, only: shear, system_type
    implicit none (type, external)
    private
@@ -18,8 +20,6 @@ module geartrain_flow_flow
 
    !> Most successive events at one instant besides one of each mesh; the next event is passed over.
    integer, parameter :: most_stuck = 3
-   !> Rounding of a distance from a wall, over the largest displacement.
-   real(dp), parameter :: rounding = 1e-14_dp
 
    type :: flow_type
       !> The train.
@@ -33,6 +33,8 @@ module geartrain_flow_flow
       real(dp), allocatable :: x(:, :)
       !> Region of the force law of each mesh, (mesh): 1 drive flank, 0 separation, -1 back flank; 1 for a mesh without backlash.
       integer, allocatable :: contact(:)
+      !> Dry friction of couplings.
+      type(friction_type) :: friction
       !> The latest `step` ended at an event; since `start` the smallest mesh speed at an event [1] and the number of events.
       logical :: event = .false.
       real(dp) :: slowest_event = huge(1.0_dp)
@@ -76,7 +78,6 @@ module geartrain_flow_flow
       procedure :: expand
       procedure, private :: expand_loops
       procedure :: step_length
-      procedure, private :: first_event
    end type flow_type
 
 contains
@@ -105,6 +106,7 @@ contains
                    self%contact(system%meshes), self%loop(0:order + 1, n - system%coordinates), self%spring(n), self%damping(n), &
                    self%origin(system%meshes), self%terms(system%meshes))
       end associate
+      call self%friction%setup(system, order)
       self%contact = 1
       self%lost = .false.
       self%smallest = 1e-3_dp*maxval(abs(system%static_force(system%mesh_element)) + system%half_backlash)
@@ -118,7 +120,7 @@ contains
       real(dp), intent(in) :: frequency_ratio, time
       !> Rate of change of Lambda [1]; absent: 0.
       real(dp), intent(in), optional :: acceleration
-      real(dp) :: p, v
+      real(dp) :: p, v, speed(self%friction%count)
       integer :: j
 
       self%frequency_ratio = frequency_ratio
@@ -135,6 +137,14 @@ contains
          call self%element_now(self%system%mesh_element(j), p, v)
          self%contact(j) = self%system%law(j)%region_at(p, v)
       end do
+      if (self%friction%count == 0) return
+      do j = 1, self%friction%count
+         call self%element_now(self%friction%element(j), p, speed(j))
+      end do
+      call self%friction%begin(speed, maxval(abs(self%x(1, self%system%displacements + 1:))))
+      if (.not. any(self%friction%mode == undecided)) return
+      call self%expand()
+      call begin_friction(self%friction, self%system, self%v(1, :, 1), self%x)
    end subroutine start
 
    !> Flies over a period of the fundamental from phase 0; less far where the interrupt is raised.
@@ -165,11 +175,12 @@ contains
       !> Time that the step must not pass [1].
       real(dp), intent(in) :: end_time
       real(dp) :: h
-      integer :: d, n, mesh, wall
+      integer :: d, n, mesh, wall, rubbing
       logical :: reaches_end
 
       call self%expand()
       h = self%step_length()
+      if (self%friction%count > 0) call self%friction%limit_step(h)
       if (self%reach > 0) h = min(h, self%reach)
       ! The next step is at most twice as long, also where an event or the end of the flight shortens this step.
       self%reach = 2*h
@@ -182,14 +193,25 @@ contains
       end if
       if (reaches_end) h = end_time - self%time
       self%event = .false.
-      call self%first_event(h, self%event, mesh, wall)
+      rubbing = 0
+      ! Where too many events fell on one instant, the next event is passed over.
+      if (self%stuck <= most_stuck + self%system%meshes) then
+         call first_wall(self%system, self%contact, self%p, self%event_mesh, self%event_wall, h, self%event, mesh, wall)
+         if (self%friction%count > 0) call self%friction%first_event(self%v(1, :, :), h, rubbing)
+      end if
       d = self%system%displacements
       n = self%system%coordinates
       call sum_series(self%columns*d, self%columns*self%system%elements, self%order, self%p, h, self%x(:, :d))
       call sum_series(self%columns*n, self%columns*self%system%elements, self%order, self%v, h, self%x(:, d + 1:))
       self%length = h
       self%time = self%time + h
-      if (self%event) then
+      if (self%friction%count > 0 .and. h > 0) call self%friction%pass()
+      if (rubbing > 0) then
+         self%event = .true.
+         self%event_mesh = 0
+         call change_mode(self%friction, self%system, rubbing, self%v(1, :, :), h, self%x)
+         call count_event(self, h)
+      else if (self%event) then
          call enter(self, mesh, wall, h)
       else
          self%event_mesh = 0
@@ -214,13 +236,24 @@ contains
                                                           self%x(2:, :e), self%x(2:, e + 1:))
          call self%element_now(self%system%mesh_element(mesh), p, v)
          self%slowest_event = min(self%slowest_event, abs(v))
+         if (law%jumps .and. self%friction%count > 0) &
+            call meet_jump(self%friction, self%system, n, law%damping(self%contact(mesh)) - law%damping(before), v, &
+                           self%v(1, :, :), h, self%x)
       end associate
-      self%events = self%events + 1
       self%event_mesh = mesh
       self%event_wall = wall
+      call count_event(self, h)
+   end subroutine enter
+
+   !> Counts an event after a step of length h.
+   pure subroutine count_event(self, h)
+      class(flow_type), intent(inout) :: self
+      real(dp), intent(in) :: h
+
+      self%events = self%events + 1
       self%stuck = merge(0, self%stuck + 1, h > 0)
       if (self%stuck > most_stuck + self%system%meshes) self%lost = .true.
-   end subroutine enter
+   end subroutine count_event
 
    !> Computes the Taylor coefficients of all columns at the present time.
    subroutine expand(self)
@@ -256,8 +289,9 @@ contains
             self%terms(j) = last_term(self%kappa(:, j), reach, 0.01_dp*self%tolerance)
          end do
          call expand_excitation(self)
+         if (self%friction%count > 0) call self%friction%begin_series()
          call recur(self%columns, system%elements, system%meshes, self%order, self%spring, self%damping, self%terms, &
-                    self%kappa, system, self%origin, self%excitation, self%loop, self%work, self%p, self%v)
+                    self%kappa, system, self%origin, self%excitation, self%loop, self%friction, self%work, self%p, self%v)
       end associate
    end subroutine expand
 
@@ -381,46 +415,6 @@ contains
       end subroutine limit
 
    end function step_length
-
-   !> Finds the first instant in (0, h] at which a mesh leaves its present contact, and shortens h to this instant.
-   subroutine first_event(self, h, found, mesh, wall)
-      class(flow_type), intent(in) :: self
-      real(dp), intent(inout) :: h
-      logical, intent(out) :: found
-      integer, intent(out) :: mesh, wall
-      real(dp) :: f(0:self%order), root, span
-      integer :: j, n, w
-      logical :: hit
-
-      found = .false.
-      mesh = 0
-      wall = 0
-      if (self%stuck > most_stuck + self%system%meshes) return
-      span = maxval(abs(self%p(1, :, 0)))
-      do j = 1, self%system%meshes
-         n = self%system%mesh_element(j)
-         ! Both walls of the region.
-         do w = max(self%contact(j) - 1, self%system%law(j)%lowest), min(self%contact(j), self%system%law(j)%highest - 1)
-            ! Distance from the wall, positive in the present region.
-            f = self%p(1, n, :)
-            f(0) = f(0) - self%system%law(j)%wall(w)
-            if (w == self%contact(j)) f = -f
-            if (j == self%event_mesh .and. w == self%event_wall) then
-               ! The mesh has just left this wall: divide by the known root 0.
-               f = eoshift(f, 1)
-            else if (f(1) > 0 .and. f(0) > -rounding*(span + abs(self%system%law(j)%wall(w)))) then
-               ! Left at the very instant of the event before, as equal stages do: rounding puts the mesh on either side.
-               f(0) = max(f(0), 0.0_dp)
-            end if
-            call first_root(f, h, root, hit)
-            if (.not. hit) cycle
-            h = root
-            found = .true.
-            mesh = j
-            wall = w
-         end do
-      end do
-   end subroutine first_event
 
    !> Displacement over b_c of a mesh within the latest step [1].
    pure real(dp) function displacement(self, mesh, tau)

@@ -9,7 +9,7 @@ module geartrain_flow_motion_fields
    use geartrain_base_kinds, only: dp
    use geartrain_flow_bearing_fields, only: bearing_axes, carry_bearings
    use geartrain_flow_load_share_fields, only: about_planet, carry_shares
-   use geartrain_flow_torque_fields, only: about_coupling, about_held, carry_torque, coupling_row
+   use geartrain_flow_torque_fields, only: about_coupling, about_held, carry_torque, coupling_row, loss_row
    implicit none (type, external)
    private
    public :: carry_loads, coefficient_axis, visit_motions
@@ -191,6 +191,8 @@ contains
                                             motion%shaft_torque_maximum)
       if (bearings_there) call carry_bearings(fields, motion%bearing_force_mean, motion%bearing_force_rms, &
                                               motion%bearing_force_minimum, motion%bearing_force_maximum)
+      if (fields%length_of('coupling') > 0 .or. fields%way == listing) &
+         call carry(fields, loss_row(''), motion%coupling_energy_loss)
       if (planets_there) call carry_shares(fields, motion%load_share, motion%load_share_maximum)
       if (fields%way == reading) motion%held = max(0, fields%length_of('held'))
       if (fields%way == reading) motion%couplings = max(0, fields%length_of('coupling'))

@@ -7,7 +7,9 @@ module geartrain_flow_orbit
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_force_series, only: impulse
+   use geartrain_flow_friction_figures, only: correct_torques
+   use geartrain_flow_force_series, only: energy_loss, extend_range, force_series, impulse
+   use geartrain_flow_sampled_peak, only: peak
    use geartrain_flow_shaft_torque, only: add_torques, linear_forces
    use geartrain_flow_uncertainty, only: figure_uncertainty_type, uncertainty_of
    use geartrain_flow_window, only: cycle_time
@@ -81,7 +83,7 @@ contains
 
    !> Samples a period of an orbit, or a window of a flow, at equidistant instants, the first at phase 0.
    subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque, rate, window, &
-                           observer, stopped, mean)
+                           observer, stopped, mean, loss, piece, reach_of)
       !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
@@ -108,10 +110,18 @@ contains
       logical, intent(out), optional :: stopped
       !> Mean force of the mesh of each planet, `system%sharing`, by integration [N], (planet).
       real(dp), intent(out), optional :: mean(:)
+      !> Energy that each coupling loses in a period of the fundamental [J], (coupling).
+      real(dp), intent(out), optional :: loss(:)
+      !> Number of the part of the period between changes of dry friction, (samples).
+      integer, intent(out), optional :: piece(:)
+      !> Of a train with dry friction, whose changes may be extremes: largest p and largest -p [1], and mean force [N, of a
+      !> coupling N m], (3, mesh).
+      real(dp), intent(inout), optional :: reach_of(:, :)
       type(flow_type) :: flow
-      real(dp), allocatable :: phi(:, :)
+      real(dp), allocatable :: phi(:, :), rubbing(:, :)
       real(dp) :: spacing, stretch, begun, next_look, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
-      integer :: i, j, q, stretches, contact(system%meshes)
+      integer :: i, j, q, stretches, contact(system%meshes), changes
+      integer, allocatable :: mode(:)
       logical :: keep_going, open
 
       call flow%setup(system, 1, flow_order, flow_tolerance)
@@ -137,8 +147,17 @@ contains
          call linear_forces(flow, phi(1, :))
       end if
       spent = 0
-      if (present(largest)) largest = 0
+      if (present(largest)) then
+         largest = 0
+         if (flow%friction%count > 0) largest = -huge(1.0_dp)
+      end if
+      if (present(reach_of)) reach_of = spread([-huge(1.0_dp), -huge(1.0_dp), 0.0_dp], 2, system%meshes)
       if (present(mean)) mean = 0
+      if (present(loss)) loss = 0
+      allocate (rubbing(merge(size(displacement, 1), 0, present(force)), flow%friction%count))
+      mode = flow%friction%mode
+      changes = 0
+      if (present(piece)) piece(1) = 0
       q = 2
       do i = 1, stretches
          call flow%start(frequency_ratio, 0.0_dp)
@@ -151,6 +170,13 @@ contains
                do j = 1, size(mean)
                   associate (mesh => system%sharing%mesh(j))
                      mean(j) = mean(j) + impulse(flow, mesh, contact(mesh))/(stretches*stretch)
+                  end associate
+               end do
+            end if
+            if (present(loss)) then
+               do j = 1, size(loss)
+                  associate (mesh => system%meshes - size(loss) + j)
+                     loss(j) = loss(j) + energy_loss(flow, mesh, contact(mesh))*(2*pi/frequency_ratio)/(stretches*stretch)
                   end associate
                end do
             end if
@@ -170,9 +196,12 @@ contains
                      velocity(q, j) = flow%velocity(j, t - begun)
                   end do
                   if (present(torque)) call linear_forces(flow, phi(q, :), t - begun)
+                  if (present(piece)) piece(q) = changes
+                  if (size(rubbing) > 0) rubbing(q, :) = flow%friction%forces_at(t - begun)
                end associate
                q = q + 1
             end do
+            if (flow%friction%count > 0) call follow_friction()
             if (.not. present(observer) .or. flow%time < next_look) cycle
             next_look = flow%time + cycle_time(system, frequency_ratio)
             call observer%on_step('settling by time', int(flow%time/cycle_time(system, frequency_ratio)), frequency_ratio, &
@@ -197,6 +226,9 @@ contains
          force(:, j) = [(system%law(j)%force(frequency_ratio*spacing*(q - 1), displacement(q, j), velocity(q, j)), q=1, &
                          size(force, 1))]
       end do
+      do j = 1, flow%friction%count
+         force(:, flow%friction%mesh(j)) = force(:, flow%friction%mesh(j)) + rubbing(:, j)
+      end do
       if (.not. present(torque) .or. (open .and. system%interrupt%raised())) return
       phi(:, system%mesh_element) = force
       call add_torques(system, frequency_ratio*spacing, phi, torque)
@@ -216,6 +248,24 @@ contains
          end associate
          largest(:, j) = max(largest(:, j), [phi, -phi])
       end subroutine reach
+
+      !> Takes the ranges of a train with friction over the latest step; counts changes of friction.
+      subroutine follow_friction()
+         real(dp) :: series(0:flow%order)
+         integer :: k
+
+         if (i == 1 .and. .not. begun > 0 .and. size(rubbing) > 0) rubbing(1, :) = flow%friction%forces_at(0.0_dp)
+         if (any(flow%friction%mode /= mode)) changes = changes + 1
+         mode = flow%friction%mode
+         if (.not. present(largest)) return
+         do k = 1, system%meshes
+            call force_series(flow, k, contact(k), series)
+            call extend_range(series/system%load_unit(k), flow%length, largest(:, k))
+            if (.not. present(reach_of)) cycle
+            call extend_range(flow%p(1, system%mesh_element(k), :), flow%length, reach_of(:2, k))
+            reach_of(3, k) = reach_of(3, k) + impulse(flow, k, contact(k))/(stretches*stretch)
+         end do
+      end subroutine follow_friction
 
    end subroutine sample_orbit
 
@@ -275,9 +325,11 @@ contains
       logical, intent(out), optional :: stopped
       type(transform_type) :: transform
       real(dp), allocatable :: p(:, :), force(:, :), torque(:, :)
-      real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes), mean_force(size(system%sharing%mesh))
+      real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes), mean_force(size(system%sharing%mesh)), &
+         loss(system%torque_paths%couplings), extreme(3, system%meshes)
       real(dp) :: periods
       integer :: harmonics, lines, j, k, q
+      integer, allocatable :: piece(:)
       logical :: ended
 
       harmonics = wanted
@@ -287,19 +339,23 @@ contains
       lines = nint(harmonics*periods)
       q = ceiling(periods*measured_samples(system, harmonics))
       if (motion%window > 0) q = transform_length(q)
-      allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%rows))
+      allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%rows), &
+                piece(q))
       call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque, &
-                        window=motion%window, observer=observer, stopped=ended, mean=mean_force)
+                        window=motion%window, observer=observer, stopped=ended, mean=mean_force, loss=loss, &
+                        piece=piece, reach_of=extreme)
       if (present(stopped)) stopped = ended
       ! Figures of long windows take a second that nobody waits for any more.
       if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
       motion%held = system%torque_paths%held
       motion%couplings = system%torque_paths%couplings
+      if (size(loss) > 0) motion%coupling_energy_loss = loss
       associate (torques => system%torque_paths%torques)
          motion%shaft_torque_mean = sum(torque(:, :torques), 1)/q
-         motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0), j=1, torques)]
-         motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0), j=1, torques)]
+         motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0, piece), j=1, torques)]
+         motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0, piece), j=1, torques)]
       end associate
+      if (any(system%friction > 0)) call correct_torques(system, extreme, largest, sum(force, 1)/q, motion)
       if (system%torque_paths%bearings > 0) call measure_bearings(system, torque, motion)
       if (motion%window > 0) then
          call find_uncertainty(system, p, force, torque(:, :system%torque_paths%torques), motion)
@@ -312,10 +368,16 @@ contains
       motion%rms = [(sqrt(2*sum((p(:, j) - motion%mean(j))**2)/q), j=1, system%meshes)]
       motion%minimum = [(-peak(-p(:, j), motion%window > 0), j=1, system%meshes)]
       motion%maximum = [(peak(p(:, j), motion%window > 0), j=1, system%meshes)]
+      if (any(system%friction > 0)) then
+         motion%minimum = -extreme(2, :)
+         motion%maximum = extreme(1, :)
+      end if
       if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
       allocate (motion%mesh_load(system%meshes))
       do j = 1, system%meshes
-         if (system%law(j)%peaks) then
+         if (any(system%friction > 0)) then
+            continue
+         else if (system%law(j)%peaks) then
             associate (region => [(system%law(j)%region_at(p(k, j)), k=1, q)])
                largest(:, j) = max(largest(:, j), [peak(force(:, j), motion%window > 0, region), &
                                                       peak(-force(:, j), motion%window > 0, region)])
@@ -395,41 +457,5 @@ contains
          u%torque_maximum = of_torque%maximum
       end associate
    end subroutine find_uncertainty
-
-   !> Largest value of a sequence, by the polynomial through the largest sample and two neighbours on each side, where all five are
-   !> in one region.
-   pure real(dp) function peak(p, open, region)
-      real(dp), intent(in) :: p(:)
-      !> The sequence is that of a window; else it repeats itself after its end.
-      logical, intent(in) :: open
-      integer, intent(in), optional :: region(:)
-      !> Differences from the largest sample.
-      real(dp) :: d(-2:2), c(4), x, slope, curvature
-      integer :: i, k, n
-
-      n = size(p)
-      i = maxloc(p, 1)
-      peak = p(i)
-      if (open .and. (i < 3 .or. i > n - 2)) return
-      if (present(region)) then
-         if (any(region([(modulo(i - 1 + k, n) + 1, k=-2, 2)]) /= region(i))) return
-      end if
-      do k = -2, 2
-         d(k) = p(modulo(i - 1 + k, n) + 1) - p(i)
-      end do
-      ! c(1) x + c(2) x**2 + c(3) x**3 + c(4) x**4, x counting samples from the largest.
-      c(1) = (8*(d(1) - d(-1)) - (d(2) - d(-2)))/12
-      c(2) = (16*(d(1) + d(-1)) - (d(2) + d(-2)))/24
-      c(3) = ((d(2) - d(-2)) - 2*(d(1) - d(-1)))/12
-      c(4) = ((d(2) + d(-2)) - 4*(d(1) + d(-1)))/24
-      x = 0
-      do k = 1, 4
-         slope = c(1) + x*(2*c(2) + x*(3*c(3) + x*4*c(4)))
-         curvature = 2*c(2) + x*(6*c(3) + x*12*c(4))
-         if (.not. curvature < 0) return
-         x = max(-1.0_dp, min(1.0_dp, x - slope/curvature))
-      end do
-      peak = max(peak, p(i) + x*(c(1) + x*(c(2) + x*(c(3) + x*c(4)))))
-   end function peak
 
 end module geartrain_flow_orbit

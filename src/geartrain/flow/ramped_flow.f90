@@ -10,11 +10,10 @@ module geartrain_flow_ramped_flow
    use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_flow_bound, only: bound_type
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_force_series, only: force_series
+   use geartrain_flow_force_series, only: force_series, include
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_ramp, only: ramp_type
    use geartrain_flow_taylor, only: add_waves, series_value
-   use geartrain_linalg_first_root, only: polynomial, root_between
    use geartrain_network_excitation, only: excited_harmonics, reach_of_sources
    use geartrain_network_system, only: system_type
    implicit none (type, external)
@@ -292,34 +291,5 @@ contains
          end do
       end associate
    end subroutine torque_series
-
-   !> Includes the values of a Taylor series over a step in a range. A step is shorter than a period of the fastest vibration: in
-   !> either half of it the slope changes sign once at most.
-   pure subroutine include(series, length, low, high)
-      !> Taylor coefficients, (0:order); length of the step [1].
-      real(dp), intent(in) :: series(0:), length
-      real(dp), intent(inout) :: low, high
-      real(dp) :: value, left, right, a, b, t
-      integer :: i
-
-      low = min(low, series(0))
-      high = max(high, series(0))
-      left = series(1)
-      do i = 1, 2
-         a = (i - 1)*length/2
-         b = i*length/2
-         call polynomial(series, b, value, right)
-         low = min(low, value)
-         high = max(high, value)
-         if (left < 0 .and. right > 0) then
-            call root_between(series, a, b, .true., t)
-            low = min(low, series_value(series, t))
-         else if (left > 0 .and. right < 0) then
-            call root_between(-series, a, b, .true., t)
-            high = max(high, series_value(series, t))
-         end if
-         left = right
-      end do
-   end subroutine include
 
 end module geartrain_flow_ramped_flow

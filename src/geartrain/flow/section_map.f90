@@ -70,6 +70,8 @@ contains
       self%system => system
       self%frequency_ratio = frequency_ratio
       allocate (self%stride(system%meshes), self%lowest(system%meshes))
+      ! What sticks and slips is not in the tables.
+      if (any(system%friction > 0)) return
       numbers = 1
       combinations = 1
       do j = 1, system%meshes

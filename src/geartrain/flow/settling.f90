@@ -17,6 +17,7 @@ module geartrain_flow_settling
    use geartrain_flow_bound, only: bound_type
    use geartrain_flow_disturbance, only: disturb
    use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_kept_states, only: judge
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure, memory_to_measure, propagate
    use geartrain_flow_shooting, only: find_orbit
@@ -139,13 +140,13 @@ contains
 
       if (orbit%period > 0) then
          multipliers = orbit%multipliers
+         motion%stable = is_stable(multipliers)
+         motion%undecided = is_neutral(multipliers)
       else
          if (size(motion%state) > most_states .and. .not. stability) return
          call propagate(system, motion%frequency_ratio, motion%period, motion%state, final, monodromy)
-         call eigenvalues(monodromy, multipliers)
+         call judge(monodromy, multipliers, motion%stable, motion%undecided)
       end if
-      motion%stable = is_stable(multipliers)
-      motion%undecided = is_neutral(multipliers)
       motion%lyapunov_exponent = rate_of(multipliers, motion%frequency_ratio, motion%period)
       if (stability .or. .not. motion%stable) motion%multipliers = multipliers
    end subroutine assess

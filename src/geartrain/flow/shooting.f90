@@ -8,8 +8,9 @@ module geartrain_flow_shooting
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_words, only: lambda, operator(//)
-   use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
    use geartrain_flow_across_fold, only: look_beyond_fold
+   use geartrain_floquet_multipliers, only: is_neutral, is_stable
+   use geartrain_flow_kept_states, only: judge, keeps
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
       section_states
    use geartrain_flow_orbit, only: measure, propagate, stored_harmonics
@@ -132,11 +133,13 @@ contains
          refined%error_estimate = length
          call measure(system, max(1, kept/times), refined)
          allocate (refined%multipliers(n))
-         call eigenvalues(monodromy, refined%multipliers)
+         call judge(monodromy, refined%multipliers, refined%stable, refined%undecided)
          if (times > 1) call repeat_motion(times, kept, refined)
+         if (times > 1 .and. .not. any(keeps(monodromy))) then
+            refined%stable = is_stable(refined%multipliers)
+            refined%undecided = is_neutral(refined%multipliers)
+         end if
          refined%frequency_ratio = motion%frequency_ratio
-         refined%stable = is_stable(refined%multipliers)
-         refined%undecided = is_neutral(refined%multipliers)
          motion = refined
       end subroutine finish
 
@@ -205,12 +208,15 @@ contains
       !> 0: the step was found; else the matrix is singular.
       integer, intent(out) :: info
       real(dp) :: matrix(size(state), size(state))
+      logical :: kept(size(state))
       integer :: pivot(size(state)), k
 
       step = state - final
       matrix = monodromy
+      kept = keeps(monodromy)
       do k = 1, size(state)
-         matrix(k, k) = matrix(k, k) - 1
+         ! What a period leaves as it is stays as it is.
+         if (.not. kept(k)) matrix(k, k) = matrix(k, k) - 1
       end do
       call factor_matrix(size(state), matrix, pivot, info)
       if (info == 0) call solve_factored(size(state), 1, matrix, pivot, step)

@@ -1,6 +1,7 @@
 !> Taylor series in time of the excitation, and of the solution of the equations of motion with constant contacts.
 module geartrain_flow_taylor
    use geartrain_base_kinds, only: dp
+   use geartrain_flow_dry_friction, only: friction_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -12,7 +13,7 @@ contains
    !> s(k))/(k+1) with phi = kappa (p - origin) + damping v. The columns of element n are the numbers (n-1)*columns + 1 ..
    !> n*columns, so that most lines are long loops over all elements.
    pure subroutine recur(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, &
-                         loop, work, p, v)
+                         loop, friction, work, p, v)
       !> Number of columns (state and tangents), elements and meshes; order of the series.
       integer, intent(in) :: columns, elements, meshes, order
       !> Last Taylor coefficient of kappa that counts, (mesh); negative: kappa is constant and part of `spring`.
@@ -26,30 +27,35 @@ contains
       real(dp), intent(in) :: excitation(0:order, elements), loop(0:, :)
       !> The train.
       type(system_type), intent(in) :: system
+      !> Dry friction of couplings, prepared; gets its forces.
+      type(friction_type), intent(inout) :: friction
       !> Work space; Taylor coefficients of displacement and velocity [1], of which coefficient 0 of the coordinates is given.
       real(dp), intent(inout) :: work(columns*elements, 4), p(columns*elements, 0:order), v(columns*elements, 0:order)
 
       ! Each constant makes the compiler a procedure of its own, whose loops over the columns of an element are no loops.
       select case (columns)
       case (1)
-         call recur_columns(1, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, work, p, v)
+         call recur_columns(1, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, friction, &
+                            work, p, v)
       case (2)
-         call recur_columns(2, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, work, p, v)
+         call recur_columns(2, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, friction, &
+                            work, p, v)
       case default
          call recur_columns(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, loop, &
-                            work, p, v)
+                            friction, work, p, v)
       end select
    end subroutine recur
 
    !> The recurrence of `recur`, whose arguments it has.
    pure subroutine recur_columns(columns, elements, meshes, order, spring, damping, terms, kappa, system, origin, excitation, &
-                                 loop, work, p, v)
+                                 loop, friction, work, p, v)
       integer, intent(in) :: columns, elements, meshes, order
       integer, intent(in) :: terms(meshes)
       real(dp), intent(in) :: spring(elements), damping(elements)
       real(dp), intent(in) :: kappa(0:order, meshes), origin(meshes)
       real(dp), intent(in) :: excitation(0:order, elements), loop(0:, :)
       type(system_type), intent(in) :: system
+      type(friction_type), intent(inout) :: friction
       real(dp), intent(inout) :: work(columns*elements, 4), p(columns*elements, 0:order), v(columns*elements, 0:order)
       real(dp) :: inverse
       integer :: first, last, n, i, j, k, l, count, all_
@@ -102,6 +108,7 @@ contains
                first = (n - 1)*columns + 1
                v(first, k + 1) = v(first, k + 1) + excitation(k, n)
             end do
+            if (friction%count > 0) call friction%act(system, columns, k, loop, v(:all_, k + 1))
             v(:all_, k + 1) = inverse*v(:all_, k + 1)
             call close_loops(columns, system, loop, k + 1, p(:, k + 1), v(:, k + 1))
          end do

@@ -7,7 +7,7 @@ module geartrain_flow_torque_fields
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: about_coupling, about_held, carry_torque, coupling_row
+   public :: about_coupling, about_held, carry_torque, coupling_row, loss_row
 
    character(*), parameter :: about_held = 'held body, in the order of the train', about_coupling = 'coupling, in the order of the &
       &train'
@@ -98,6 +98,16 @@ contains
       about = row(name, trim(adjustl(along//' coupling')), 'N m', which//' torque of a coupling', 'with a coupling', &
                   optional=.true.)
    end function coupling_row
+
+   !> Row of the energy that couplings lose.
+   pure type(row) function loss_row(along) result(about)
+      !> Dimension before that of the couplings, blank: none.
+      character(*), intent(in) :: along
+
+      about = row('coupling_energy_loss', trim(adjustl(along//' coupling')), 'J', 'energy that damping and friction of a &
+         &coupling take in a period of the fundamental; times the fundamental frequency a power', 'with a coupling', &
+                  optional=.true.)
+   end function loss_row
 
    !> Whether a dimension of torques has places.
    pure logical function there(fields, dimension)

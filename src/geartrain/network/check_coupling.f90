@@ -3,13 +3,15 @@ module geartrain_network_check_coupling
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
+   use geartrain_linalg_rows, only: rows_type
    use geartrain_mesh_law_characteristic, only: ascends, characteristic_type, find_characteristic
    use geartrain_train_mesh_groups, only: enter_mesh
    use geartrain_network_network, only: network_type
    use geartrain_train_mesh, only: is_given, mesh_type
+   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_coupling, check_middles
+   public :: check_coupling, check_friction, check_middles, has_friction, refuse_friction
 
 contains
 
@@ -88,5 +90,64 @@ contains
          call checker%leave()
       end do
    end subroutine check_middles
+
+   !> Adds a problem for a coupling with dry friction whose twist follows from the twists of other couplings with friction: where
+   !> all of them stick, nothing determines their torques.
+   subroutine check_friction(meshes, network, checker)
+      !> The meshes of a plain train.
+      type(mesh_type), intent(in) :: meshes(:)
+      !> Its network.
+      type(network_type), intent(in) :: network
+      !> Gets the problems.
+      class(checker_type), intent(inout) :: checker
+      type(rows_type) :: rows
+      logical :: independent
+      integer :: i, n
+
+      if (.not. any(meshes%friction_torque > 0)) return
+      call rows%setup(size(network%inertia), 0)
+      do n = 1, size(network%elements)
+         i = network%elements(n)%mesh
+         if (i == 0) cycle
+         if (.not. meshes(i)%friction_torque > 0) cycle
+         call rows%add(network%elements(n)%row_type, independent)
+         if (independent) cycle
+         call enter_mesh(checker, meshes, i)
+         call checker%complain('friction_torque', real_text(meshes(i)%friction_torque), 'must be 0: its loop has no other element &
+            &than couplings with friction, and where all of them stick, nothing determines their torques; give the friction of &
+            &the loop to one coupling')
+         call checker%leave()
+      end do
+   end subroutine check_friction
+
+   !> Whether a coupling of a train has dry friction.
+   pure logical function has_friction(train)
+      !> The train.
+      type(train_type), intent(in) :: train
+
+      has_friction = .false.
+      if (allocated(train%meshes)) has_friction = any(train%meshes%friction_torque > 0)
+   end function has_friction
+
+   !> Adds a problem for each coupling with dry friction, which an analysis does not have.
+   subroutine refuse_friction(train, what, checker)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> The analysis, '&response'; and what it does, in words.
+      character(*), intent(in) :: what
+      !> Gets the problems.
+      class(checker_type), intent(inout) :: checker
+      integer :: i
+
+      if (.not. has_friction(train)) return
+      do i = 1, size(train%meshes)
+         if (.not. train%meshes(i)%friction_torque > 0) cycle
+         call enter_mesh(checker, train%meshes, i)
+         call checker%complain('friction_torque', real_text(train%meshes(i)%friction_torque), 'must be 0 for '//what//', whose &
+            &harmonics do not represent sticking; find motions with friction by time integration: &integration, &
+            &&bifurcation_diagram, &attractors, &basins or &run_up')
+         call checker%leave()
+      end do
+   end subroutine refuse_friction
 
 end module geartrain_network_check_coupling

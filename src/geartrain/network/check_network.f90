@@ -6,7 +6,7 @@ module geartrain_network_check_network
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_mesh_law_law, only: law_type
    use geartrain_network_check_bearing, only: check_bodies_on_bearings, check_flanks, check_lines
-   use geartrain_network_check_coupling, only: check_middles
+   use geartrain_network_check_coupling, only: check_friction, check_middles
    use geartrain_network_check_turning, only: check_joints, check_turning
    use geartrain_train_mesh_groups, only: enter_mesh, group_name
    use geartrain_network_network, only: build_network, network_type
@@ -311,6 +311,7 @@ contains
       end do
       call build_network(train, network)
       call check_middles(train%meshes, network, checker)
+      call check_friction(train%meshes, network, checker)
       allocate (force(size(network%elements)))
       call rest_forces(network, law, train%characteristic_length, force, residual)
       if (any(train%meshes%axis > 0)) call check_flanks(train, network, force, checker)

@@ -53,8 +53,10 @@ module geartrain_network_system
       real(dp), allocatable :: loop_offset(:)
       !> Rate at which the determinant of the monodromy decays, every mesh on its drive flank [1].
       real(dp) :: decay = 0
-      !> b/b_c [1]; what phi = 1 is: a force [N], or of a coupling a torque [N m], (mesh).
-      real(dp), allocatable :: half_backlash(:), load_unit(:)
+      !> b/b_c [1]; what phi = 1 is: a force [N], or of a coupling a torque [N m]; what phi = 1 does over p = 1 [J], (mesh).
+      real(dp), allocatable :: half_backlash(:), load_unit(:), energy_unit(:)
+      !> Dry friction over k b_c [1], (mesh).
+      real(dp), allocatable :: friction(:)
       !> 'mesh 1', ..., 'coupling 1', ..., (mesh).
       character(20), allocatable :: mesh_name(:)
       !> Force law of each mesh, (mesh).
@@ -137,6 +139,8 @@ contains
       system%mesh_name = [(mesh_word(train%meshes, i), i=1, system%meshes)]
       system%load_unit = system%stiffness(system%mesh_element)*system%characteristic_length &
                          *merge(coupling_radius, 1.0_dp, train%meshes%is_coupling)
+      system%friction = train%meshes%friction_torque/system%load_unit
+      system%energy_unit = system%stiffness(system%mesh_element)*system%characteristic_length**2
       call couple(system%network, system)
       allocate (system%static_force(system%elements))
       call rest_forces(system%network, system%law, system%characteristic_length, system%static_force, &

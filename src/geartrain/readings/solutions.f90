@@ -231,6 +231,7 @@ contains
                motion%bearing_force_minimum = found%bearing_force%minimum(:, :, i)
                motion%bearing_force_maximum = found%bearing_force%maximum(:, :, i)
             end if
+            if (allocated(found%coupling_energy_loss)) motion%coupling_energy_loss = found%coupling_energy_loss(:, i)
             if (allocated(found%load_share)) then
                motion%load_share = found%load_share(:, i)
                motion%load_share_maximum = found%load_share_maximum(:, i)

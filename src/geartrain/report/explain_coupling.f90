@@ -58,6 +58,10 @@ contains
             list = found%slope
             call carry(fields, field_type('stages', 'stage', 'N m/rad', 'slopes, from the lowest torque to the highest'), list)
          end if
+         if (coupling%friction_torque > 0) then
+            torque = coupling%friction_torque
+            call carry(fields, field_type('friction_torque', '', 'N m', 'as given; modes and limits are without it'), torque)
+         end if
          torque = system%static_force(system%mesh_element(i))*system%load_unit(i)
          call carry(fields, field_type('mean_torque', '', 'N m', 'static, from the mean torques of the bodies'), torque)
       end associate

@@ -14,7 +14,7 @@ module geartrain_trace_branch
       about_mesh, about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, &
       carry_loads, carry_torques, coefficient_axis, on_stability
    use geartrain_trace_stages, only: no_stage
-   use geartrain_flow_torque_fields, only: about_coupling, about_held
+   use geartrain_flow_torque_fields, only: about_coupling, about_held, loss_row
    implicit none (type, external)
    private
    public :: arrange_points, branch_type, carried_by, coefficients_of, contact_edge_type, dense_coefficients, gap_along, has_sets, &
@@ -107,6 +107,8 @@ module geartrain_trace_branch
       real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
       !> Forces of bearings.
       type(bearing_forces_type) :: bearing_force
+      !> Energy that each coupling loses in a period of the fundamental [J], (coupling, point); allocated with the torques.
+      real(dp), allocatable :: coupling_energy_loss(:, :)
       !> Share of each planet in the mean load of its planetary set, by its mean and its largest force [1], (planet, point); not
       !> allocated: no planets.
       real(dp), allocatable :: load_share(:, :), load_share_maximum(:, :)
@@ -349,6 +351,8 @@ contains
             call fields%index_axis('coupling', branch%couplings, about_coupling)
          call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &
                             branch%shaft_torque_maximum)
+         if (fields%has('coupling_energy_loss', allocated(branch%coupling_energy_loss))) &
+            call carry(fields, loss_row('point'), branch%coupling_energy_loss)
       end if
       call visit_bearings(branch%bearing_force, fields)
       if (fields%has('load_share', allocated(branch%load_share))) then

@@ -5,6 +5,7 @@ module geartrain_trace_recorder
    use geartrain_balance_balanced_torque, only: find_shaft_torques, mean_forces
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_balance_mesh_load, only: force_reader_type, load_resolution
+   use geartrain_balance_coupling_loss, only: find_coupling_losses
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: power
@@ -83,6 +84,7 @@ contains
       end if
       if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
       if (self%shaft_torque) branch%bearing_force%bearings = balance%system%torque_paths%bearings
+      if (self%shaft_torque .and. branch%couplings > 0) allocate (branch%coupling_energy_loss(0, 0))
       branch%planets = size(balance%system%sharing%mesh)
       if (branch%planets > 0) allocate (branch%load_share(0, 0))
       call arrange_points(branch, [integer ::], 16)
@@ -158,6 +160,8 @@ contains
          end associate
       end do
       if (self%shaft_torque) call put_torques(self, balance, n, branch)
+      if (allocated(branch%coupling_energy_loss)) &
+         call find_coupling_losses(balance, coefficients, branch%coupling_energy_loss(:, n))
       if (branch%planets > 0) call share_load(balance, n, branch)
       if (self%stability) then
          call system_clock(began, rate)

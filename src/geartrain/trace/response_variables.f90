@@ -5,6 +5,7 @@ module geartrain_trace_response_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_network_check_coupling, only: refuse_friction
    use geartrain_network_check_train, only: check_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, visit_unit
    use geartrain_network_limits, only: check_common_period, check_frequency, check_harmonics
@@ -117,6 +118,7 @@ contains
       class(checker_type), intent(inout) :: checker
       logical :: within, whole
 
+      call refuse_friction(train, 'harmonic balance', checker)
       call checker%enter('response', 1)
       ! A range of frequencies has positive ends; the ends of a path in a parameter are in the parameter's own range.
       if (settings%parameter == '') then

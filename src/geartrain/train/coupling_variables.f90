@@ -46,6 +46,8 @@ contains
       given = coupling%loss_factor > 0
       call v%on_real(row('loss_factor', '', 'structural damping, in place of damping_ratio, as of a mesh', least=zero, &
                          most=2*one), coupling%loss_factor, given)
+      call v%on_real(row('friction_torque', 'N m', 'dry friction, beside stiffness and damping: up to this torque the coupling &
+                         &sticks', least=zero), coupling%friction_torque)
       word = trim(coupling%damping_acts)
       call v%on_text(row('damping_acts', '', 'always, or only in contact: no damping within the play', &
                          choices='always contact'), word)

@@ -95,6 +95,8 @@ module geartrain_train_mesh
       integer :: axis = 0
       !> Mass of the body that the bearing carries [kg].
       real(dp) :: mass = 0
+      !> Dry friction of a coupling, largest torque [N m].
+      real(dp) :: friction_torque = 0
    contains
       procedure :: is_bent
       procedure :: is_pair

@@ -1,0 +1,428 @@
+"""Dry friction of couplings: closed forms after Den Hartog, and equations of their own solved from event to event."""
+
+from dataclasses import replace
+from itertools import product
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import brentq, fsolve
+from test_couplings import LENGTH, PER_TWIST, RATE, middle_of, random_coupling, rotor
+
+import geartrain as gt
+from geartrain.results.motion import from_state
+
+INERTIA, STIFFNESS = 0.02, 4.0e3
+NATURAL = np.sqrt(STIFFNESS / INERTIA)
+
+
+def oscillator(swing, friction, **given):
+    """Den Hartog's: a rotor on a spring with dry friction, under a harmonic torque."""
+    train = rotor(0.0, **{"stiffness": STIFFNESS, "friction_torque": friction, **given})
+    return replace(train, bodies=[replace(train.bodies[0], torque_cos=[swing]), train.bodies[1]])
+
+
+def without_stop(ratio, swing, friction):
+    """Amplitude [rad] of a motion that never stops for longer than an instant (Den Hartog 1931)."""
+    v = 1 / (1 - ratio**2)
+    u = np.sin(np.pi / ratio) / (ratio * (1 + np.cos(np.pi / ratio)))
+    return swing / STIFFNESS * np.sqrt(v**2 - (friction / swing * u) ** 2)
+
+
+def with_stop(ratio, swing, friction):
+    """Amplitude [rad] and share of the half period at rest of a motion with one stop a half period (Den Hartog 1931)."""
+    omega = ratio * NATURAL
+    a = swing / STIFFNESS / (1 - ratio**2)
+
+    def moving(t, x0, t0):  # from the release at t0 with negative velocity
+        c = x0 - friction / STIFFNESS - a * np.cos(omega * t0)
+        d = a * ratio * np.sin(omega * t0)
+        s = NATURAL * (t - t0)
+        return (friction / STIFFNESS + a * np.cos(omega * t) + c * np.cos(s) + d * np.sin(s),
+                -a * omega * np.sin(omega * t) + NATURAL * (d * np.cos(s) - c * np.sin(s)))
+
+    def gaps(z):
+        x0, t0, t1 = z[0] * swing / STIFFNESS, z[1] / omega, z[2] / omega
+        x, v = moving(t1, x0, t0)
+        return [(swing * np.cos(omega * t0) - STIFFNESS * x0 + friction) / swing, v / (omega * swing / STIFFNESS),
+                (x + x0) * STIFFNESS / swing]
+
+    for start in product((0.3, 0.8, 1.3), (0.5, 1.2, 2.0), (2.6, 3.4, 4.2)):
+        z, _, status, _ = fsolve(gaps, start, xtol=1e-15, full_output=True)
+        if status == 1 and z[0] > 0 and 0 < z[1] < z[2] < z[1] + np.pi and np.abs(gaps(z)).max() < 1e-13:
+            t = np.linspace(z[1], z[2], 2001)[1:-1] / omega
+            if (moving(t, z[0] * swing / STIFFNESS, z[1] / omega)[1] < 0).all():
+                return z[0] * swing / STIFFNESS, 1 - (z[2] - z[1]) / np.pi
+    raise AssertionError("no motion with one stop")
+
+
+@pytest.mark.parametrize("ratio, friction", [(0.7, 20.0), (0.9, 60.0), (1.3, 40.0), (2.0, 50.0), (0.9, 78.0)])
+def test_without_a_stop(ratio, friction):
+    motion = oscillator(100.0, friction).integrate(frequency=ratio * NATURAL / RATE)
+    amplitude = without_stop(ratio, 100.0, friction)
+    assert motion.period == 1 and motion.stable
+    assert motion.maximum[0] / PER_TWIST == pytest.approx(amplitude, rel=1e-10)
+    assert motion.minimum[0] / PER_TWIST == pytest.approx(-amplitude, rel=1e-10)
+    # Friction takes four times the amplitude, and the torque gives it.
+    assert motion.coupling_energy_loss[0] == pytest.approx(4 * friction * amplitude, rel=1e-10)
+    assert motion.refine().maximum[0] / PER_TWIST == pytest.approx(amplitude, rel=1e-10)
+
+
+@pytest.mark.parametrize("ratio, friction", [(0.4, 60.0), (0.5, 75.0), (0.7, 80.0), (0.55, 90.0), (1.2, 75.0)])
+def test_with_a_stop(ratio, friction):
+    motion = oscillator(100.0, friction).integrate(frequency=ratio * NATURAL / RATE)
+    amplitude, rest = with_stop(ratio, 100.0, friction)
+    assert rest > 0.01
+    assert motion.maximum[0] / PER_TWIST == pytest.approx(amplitude, rel=1e-10)
+    assert motion.coupling_energy_loss[0] == pytest.approx(4 * friction * amplitude, rel=1e-10)
+    # It forgets: one who stops has no velocity, and soon no other place.
+    assert np.abs(motion.multipliers).min() < 1e-14
+
+
+# Other equations
+
+
+class Events:
+    """I theta'' = T - B' (F + R) from event to event by matrix exponentials, in rotations; R is dry friction.
+
+    Between events the equations are linear with constant coefficients: the torque's cosine and sine are two states more.
+    """
+
+    def __init__(self, train, omega):
+        self.train, self.omega = train, omega
+        names = [body.name for body in train.bodies]
+        self.bodies = len(names)
+        self.inverse = np.diag([1 / body.inertia for body in train.bodies])
+        self.joints = (*train.meshes, *train.couplings)
+        rows = np.zeros((len(self.joints), self.bodies))
+        for row, joint in zip(rows, self.joints):
+            mesh = isinstance(joint, gt.Mesh)
+            row[names.index(joint.between[0])] = joint.driving_radius if mesh else 1.0
+            row[names.index(joint.between[1])] = -(joint.driven_radius if mesh else 1.0)
+        self.rows = rows
+        rigid = np.linalg.svd(rows)[2][-1]
+        balancing = next(place for place, body in enumerate(train.bodies) if body.balances)
+        self.torque = np.array([body.torque or 0.0 for body in train.bodies])
+        self.torque[balancing] = -(rigid @ self.torque - rigid[balancing] * self.torque[balancing]) / rigid[balancing]
+        self.cosine = np.array([(body.torque_cos or [0.0])[0] for body in train.bodies])
+        self.middle = np.array([0.0 if isinstance(joint, gt.Mesh) else middle_of(joint) for joint in self.joints])
+        self.unit = np.array([LENGTH if isinstance(joint, gt.Mesh) else LENGTH / 1e-3 for joint in self.joints])
+        self.limit = np.array([0.0 if isinstance(joint, gt.Mesh) else joint.friction_torque for joint in self.joints])
+        self.rubbing = np.flatnonzero(self.limit)
+        self.corners, self.slopes, self.offsets = [], [], []
+        for joint in self.joints:
+            if isinstance(joint, gt.Mesh):
+                b, k = joint.half_backlash, joint.stiffness
+                corners, slopes, offsets = np.array([-b, b]), np.array([k, 0.0, k]), np.array([k * b, 0.0, -k * b])
+            else:
+                x, y = np.asarray(joint.angle, float), np.asarray(joint.torque, float)
+                slopes = np.diff(y) / np.diff(x)
+                corners, offsets = x[1:-1], y[:-1] - slopes * x[:-1]
+            self.corners.append(corners), self.slopes.append(slopes), self.offsets.append(offsets)
+        self.kept = {}
+
+    def matrix(self, regions, modes):
+        """The equations in constant regions and modes (1, -1, 0 sticks): z' = A z, z = rotations, rates, cos, sin, 1."""
+        if (regions, modes) in self.kept:
+            return self.kept[regions, modes]
+        n = self.bodies
+        stiffness = np.array([slope[region] for slope, region in zip(self.slopes, regions)])
+        offset = np.array([given[region] for given, region in zip(self.offsets, regions)])
+        damping = np.array([joint.damping for joint in self.joints])
+        constant = offset.copy()
+        for joint, mode in zip(self.rubbing, modes):
+            constant[joint] += mode * self.limit[joint]
+        free = np.zeros((n, 2 * n + 3))
+        free[:, :n] = -self.inverse @ self.rows.T @ (stiffness[:, None] * self.rows)
+        free[:, n:2 * n] = -self.inverse @ self.rows.T @ (damping[:, None] * self.rows)
+        free[:, 2 * n] = self.inverse @ self.cosine
+        free[:, -1] = self.inverse @ (self.torque - self.rows.T @ constant)
+        stuck = self.rows[[joint for joint, mode in zip(self.rubbing, modes) if mode == 0]]
+        reaction = np.zeros((0, 2 * n + 3))
+        if len(stuck):
+            reaction = np.linalg.solve(stuck @ self.inverse @ stuck.T, stuck @ free)
+            free = free - self.inverse @ stuck.T @ reaction
+        a = np.zeros((2 * n + 3, 2 * n + 3))
+        a[:n, n:2 * n] = np.eye(n)
+        a[n:2 * n] = free
+        a[2 * n, 2 * n + 1], a[2 * n + 1, 2 * n] = -self.omega, self.omega
+        self.kept[regions, modes] = a, reaction, expm(a * self.step)
+        return self.kept[regions, modes]
+
+    def watched(self, regions, modes):
+        """Functions of z that are positive until an event, as rows, and what each event is."""
+        n = self.bodies
+        _, reaction, _ = self.matrix(regions, modes)
+        rows, what, stuck = [], [], 0
+        for joint, (corners, region) in enumerate(zip(self.corners, regions)):
+            for side, place in ((1, region - 1), (-1, region)):
+                if 0 <= place < len(corners):
+                    row = np.zeros(2 * n + 3)
+                    row[:n], row[-1] = side * self.rows[joint], -side * corners[place]
+                    rows.append(row), what.append(("wall", joint, -side))
+        for place, (joint, mode) in enumerate(zip(self.rubbing, modes)):
+            if mode == 0:
+                for side in (1, -1):
+                    row = -side * reaction[stuck]
+                    row[-1] += self.limit[joint]
+                    rows.append(row), what.append(("limit", place, side))
+                stuck += 1
+            else:
+                row = np.zeros(2 * n + 3)
+                row[n:2 * n] = mode * self.rows[joint]
+                rows.append(row), what.append(("still", place, mode))
+        return np.array(rows), what
+
+    def decide(self, z, regions, modes, still):
+        """The modes of couplings without velocity that contradict nothing, by trying all."""
+        n = self.bodies
+        for tried in product((0, 1, -1), repeat=len(still)):
+            new = list(modes)
+            for place, mode in zip(still, tried):
+                new[place] = mode
+            a, reaction, _ = self.matrix(regions, tuple(new))
+            force = reaction @ z
+            held = [joint for joint, mode in zip(self.rubbing, new) if mode == 0]
+            if any(abs(value) > self.limit[joint] for value, joint in zip(force, held)):
+                continue
+            rate = self.rows @ (a @ z)[n:2 * n]
+            if all(mode == 0 or mode * rate[self.rubbing[place]] > 0 for place, mode in zip(still, tried)):
+                return tuple(new)
+        raise AssertionError("no modes without contradiction")
+
+    def first_event(self, z, left, regions, modes, known):
+        """The first event within a time: when, its function, and what it is; None without."""
+        a, _, whole = self.matrix(regions, modes)
+        rows, what = self.watched(regions, modes)
+        ends = {1.0: (whole if left == self.step else expm(a * left)) @ z}
+        if (rows @ ends[1.0]).min() < 1e-6 * np.abs(rows @ z).max():
+            ends[0.5] = expm(a * left / 2) @ z
+        first = None
+        for row, event in zip(rows, what):
+            end = next((share for share in sorted(ends) if row @ ends[share] < 0), None)
+            if end is None:
+                continue
+            begin, value = 0.0, row @ z
+            if event == known:  # it is 0 at the beginning, and grows
+                begin = 0.1 * end * left
+                value = row @ expm(a * begin) @ z
+            at = 0.0
+            if value > 0:
+                at = end * left
+                if distance(at, row, a, z) < 0:  # as before, but for rounding
+                    at = brentq(distance, begin, at, args=(row, a, z), xtol=1e-18, rtol=1e-15)
+            if first is None or at < first[0]:
+                first = at, row, event
+        return first
+
+    def fly(self, motion, samples):
+        """Over a period: displacements as results count them, energy that couplings lose, multipliers, whether any stuck."""
+        n, omega = self.bodies, self.omega
+        path = motion.trajectory(motion.period)
+        p, v = path.displacement[0] * self.unit + self.middle, path.velocity[0] * self.unit * RATE
+        self.step = 2 * np.pi * motion.period / omega / samples
+        inverse = np.linalg.pinv(self.rows)
+        z, phi = np.concatenate([inverse @ p, inverse @ v, [1.0, 0.0, 1.0]]), np.eye(2 * n + 3)
+        regions = tuple(int(np.searchsorted(corners, value)) for corners, value in zip(self.corners, p))
+        speed = v[self.rubbing]
+        modes = tuple(int(np.sign(value)) if abs(value) > 1e-9 * np.abs(v).max() else 0 for value in speed)
+        modes = self.decide(z, regions, modes, [place for place, mode in enumerate(modes) if mode == 0])
+        # A tangent with a velocity of what sticks stops at once.
+        held = self.rows[[joint for joint, mode in zip(self.rubbing, modes) if mode == 0]]
+        impulse = self.inverse @ held.T @ np.linalg.solve(held @ self.inverse @ held.T, held)
+        phi[n:2 * n, n:2 * n] -= impulse
+        displacement, rates = (np.empty((samples + 1, len(self.rows))) for _ in range(2))
+        rubbed, stuck = np.zeros(len(self.joints)), False
+        for k in range(samples + 1):
+            displacement[k], rates[k] = (self.rows @ z[:n] - self.middle) / self.unit, self.rows @ z[n:2 * n]
+            left, known = self.step if k < samples else 0.0, None
+            while left > 0:
+                stuck |= 0 in modes
+                first = self.first_event(z, left, regions, modes, known)
+                a, _, whole = self.matrix(regions, modes)
+                at = left if first is None else first[0]
+                here = whole if at == self.step else expm(a * at)
+                for joint, mode in zip(self.rubbing, modes):
+                    rubbed[joint] += mode * self.limit[joint] * (self.rows[joint] @ (here @ z - z)[:n])
+                z, phi, left = here @ z, here @ phi, left - at
+                if first is None:
+                    break
+                _, row, (kind, place, side) = first
+                old = a
+                if kind == "wall":
+                    regions = tuple(region + side if joint == place else region for joint, region in enumerate(regions))
+                    known = ("wall", place, -side)
+                    continue
+                if kind == "limit":
+                    modes = tuple(side if i == place else mode for i, mode in enumerate(modes))
+                else:
+                    modes = self.decide(z, regions, modes, [i for i, mode in enumerate(modes) if mode == 0 or i == place])
+                known = ("still", place, modes[place])
+                new = self.matrix(regions, modes)[0]
+                phi = phi + np.outer((new - old) @ z, row @ phi) / (row @ old @ z)
+                held = self.rows[[joint for joint, mode in zip(self.rubbing, modes) if mode == 0]]
+                z[n:2 * n] -= np.linalg.pinv(held) @ held @ z[n:2 * n]  # rounding
+        tree = []
+        for place in range(len(self.rows)):
+            if np.linalg.matrix_rank(self.rows[[*tree, place]]) > len(tree):
+                tree.append(place)
+        out = self.rows[tree] / self.unit[tree, None]
+        into = np.linalg.pinv(out)
+        still = np.zeros_like(into)
+        end = phi[:2 * n, :2 * n] @ np.block([[into, still], [still, into * RATE]])
+        change = np.block([[out @ end[:n]], [out @ end[n:] / RATE]])
+        damping = np.array([joint.damping for joint in self.joints])
+        loss = rubbed + damping * (rates[:-1] ** 2).mean(axis=0) * self.step * samples
+        return displacement, loss[len(self.train.meshes):] / motion.period, np.linalg.eigvals(change), stuck
+
+
+def distance(t, row, a, z):
+    """A function of z after a time."""
+    return row @ expm(a * t) @ z
+
+
+def random_train(seed):
+    """A tree of gear pairs and couplings with friction as the dice fall."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(3, 6))
+    names = [f"b{place}" for place in range(count)]
+    bodies = [gt.Body(name=names[0], inertia=0.03, torque=float(rng.uniform(15, 40)), torque_cos=[float(rng.uniform(5, 30))]),
+              *(gt.Body(name=name, inertia=float(rng.uniform(0.004, 0.02)), balances=name == names[-1]) for name in names[1:])]
+    meshes, couplings = [], []
+    for place in range(1, count):
+        ends = (names[int(rng.integers(max(0, place - 2), place))], names[place])
+        if place > 1 and rng.uniform() < 0.4:
+            meshes.append(gt.Mesh(between=ends, driving_radius=0.03, driven_radius=float(rng.uniform(0.03, 0.06)),
+                                  stiffness=float(rng.uniform(0.5e7, 2e7)), damping=float(rng.uniform(500, 1500)),
+                                  half_backlash=20e-6))
+        else:
+            friction = float(rng.uniform(1.0, 12.0)) if place == 1 or rng.uniform() < 0.7 else 0.0
+            couplings.append(replace(random_coupling(rng, ends, False), friction_torque=friction))
+    return gt.Train(characteristic_length=LENGTH, characteristic_frequency=RATE, bodies=bodies, meshes=meshes, couplings=couplings)
+
+
+@pytest.mark.full
+def test_random_networks(times):
+    compared = stuck = 0
+    for seed in range(times(100)):
+        train = random_train(seed)
+        frequency = 0.2 + 0.03 * (seed % 11)
+        motion = train.integrate(frequency=frequency)
+        if not motion.period or motion.period > 4:
+            continue
+        compared += 1
+        samples = 2048
+        displacement, loss, multipliers, sticks = Events(train, frequency * RATE).fly(motion, samples)
+        stuck += sticks
+        scale = np.abs(displacement).max(axis=0)
+        assert np.abs(displacement[-1] - displacement[0]).max() < 1e-8 * scale.max(), seed
+        cycle = displacement[:-1]
+        rms = np.sqrt(2 * ((cycle - cycle.mean(axis=0)) ** 2).mean(axis=0))
+        assert motion.rms == pytest.approx(rms, abs=1e-8 * scale.max()), seed
+        assert motion.coupling_energy_loss == pytest.approx(loss, rel=1e-5, abs=1e-12), seed
+        assert np.abs(np.sort(abs(motion.multipliers)) - np.sort(abs(multipliers))).max() < 1e-6, seed
+    assert compared >= 0.6 * times(100) and stuck >= 0.2 * times(100)
+
+
+# What sticks throughout
+
+
+def test_sticks_throughout():
+    """Below its friction a coupling stands still, carries the torque, and keeps the twist that it has."""
+    train = oscillator(30.0, 60.0)
+    motion = train.integrate(frequency=0.3)
+    assert motion.period == 1 and motion.stable and not motion.undecided
+    assert motion.rms[0] == 0 and motion.coupling_energy_loss[0] == 0
+    assert motion.coupling_torque_maximum[0] == pytest.approx(30.0, rel=1e-12)
+    assert motion.coupling_torque_minimum[0] == pytest.approx(-30.0, rel=1e-12)
+    twist = 0.5 * 30.0 / STIFFNESS * PER_TWIST  # the spring adds half as much
+    moved = train.integrate(frequency=0.3, start=[twist, 0.0])
+    assert moved.mean[0] == pytest.approx(twist, rel=1e-12) and moved.stable
+    assert sorted(abs(moved.multipliers)) == [0.0, 1.0]
+    refined = moved.refine()
+    assert refined.mean[0] == pytest.approx(twist, rel=1e-12) and refined.stable
+
+
+def test_comes_to_rest():
+    """Free vibration loses 2 F/k a half period, and stops where the spring no longer overcomes the friction."""
+    train = oscillator(0.0, 10.0)
+    start = np.array([0.02 * PER_TWIST, 0.0])  # 8 F/k: extremes at 8, -6, 4, -2, 0 of F/k
+    motion = replace(from_state(start, 1, 2), frequency=NATURAL / RATE, train=train, coefficients=np.zeros((1, 1)), period=0)
+    path = motion.trajectory(4)
+    unit = 10.0 / STIFFNESS * PER_TWIST
+    half = (len(path.time) // 4) / 2
+    extremes = [path.displacement[round(k * half), 0] / unit for k in range(5)]
+    assert extremes == pytest.approx([8, -6, 4, -2, 0], abs=1e-9)
+    assert np.abs(path.displacement[round(4 * half):, 0] / unit).max() < 1e-9
+
+
+# Every analysis
+
+
+def clutch(friction):
+    """A clutch with friction and an idle gear pair with backlash."""
+    return gt.Train(
+        characteristic_length=LENGTH, characteristic_frequency=RATE,
+        bodies=[gt.Body(name="engine", inertia=0.1, torque=10.0, torque_cos=[40.0]), gt.Body(name="hub", inertia=0.004),
+                gt.Body(name="wheel", inertia=0.01, torque=-1.0), gt.Body(name="car", inertia=0.5, balances=True)],
+        shafts=[gt.Shaft(between=("hub", "car"), stiffness=8e3, damping_ratio=0.03)],
+        meshes=[gt.Mesh(between=("hub", "wheel"), driving_radius=0.03, driven_radius=0.06, stiffness=2e7, damping_ratio=0.1,
+                        half_backlash=20e-6)],
+        couplings=[gt.Coupling(between=("engine", "hub"), stiffness=1.5e3, half_play=0.002, damping=0.4, damping_acts="contact",
+                               friction_torque=friction)],
+    )
+
+
+def test_all_of_time_integration(tmp_path):
+    train = clutch(6.0)
+    sweep = train.sweep(start=0.15, stop=0.25, points=3)
+    for motion in sweep:
+        assert motion.period > 0
+        # What is lost is what the other elements do not take of the work of the torque.
+        refined = motion.refine()
+        assert refined.rms == pytest.approx(motion.rms, rel=1e-8)
+        assert refined.coupling_energy_loss == pytest.approx(motion.coupling_energy_loss, rel=1e-7)
+        torque = refined.coupling_torque[:, 0]
+        assert refined.coupling_torque_maximum[0] >= torque.max() - 1e-9
+        assert refined.mesh_force_maximum[1] == refined.coupling_torque_maximum[0]
+    case = tmp_path / "clutch.nml"
+    case.write_text(train.namelist(integration={"from": 0.15, "to": 0.25, "points": 3}))
+    gt.read_case(case).run().write(tmp_path / "clutch.h5")
+    again = gt.read_results(tmp_path / "clutch.h5").integration
+    assert again[0].coupling_energy_loss == pytest.approx(sweep[0].coupling_energy_loss)
+    assert again[0].train.couplings[0].friction_torque == 6.0
+    run_up = train.run_up(start=0.15, stop=0.16, duration=2.0)
+    assert run_up.coupling_torque == pytest.approx(run_up.mesh_force[:, 1:])
+    # The run-up is slow: its torque has the extremes of the steady motion.
+    assert run_up.coupling_torque.max() == pytest.approx(sweep[0].coupling_torque_maximum[0], rel=0.05)
+    found = train.attractors(frequency=0.2, starts=4, random_seed=1)
+    assert any(np.abs(motion.rms - sweep[1].rms).max() < 1e-6 * sweep[1].rms.max() for motion in found)
+    assert "friction_torque" in str(train.explain())
+
+
+def test_no_friction_is_no_friction():
+    motion, other = (replace(clutch(0.0), couplings=[replace(clutch(0.0).couplings[0], friction_torque=value)])
+                     .integrate(frequency=0.2) for value in (0.0, None))
+    assert (motion.coefficients == other.coefficients).all() and (motion.multipliers == other.multipliers).all()
+    little = clutch(1e-9).integrate(frequency=0.2)
+    assert little.rms == pytest.approx(motion.rms, rel=1e-6)
+
+
+def test_refusals():
+    train = clutch(6.0)
+    over = {"parameter": "coupling 1 stiffness", "parameter_start": 1e3, "parameter_stop": 2e3}
+    for ask in (lambda: train.response(start=0.1, stop=0.2), lambda: train.stability_map(start=0.1, stop=0.2, **over),
+                lambda: train.continuation(parameter="coupling 1 stiffness", start=1e3, stop=2e3, frequency=0.2),
+                lambda: train.motions(frequency=0.2)):
+        with pytest.raises(gt.InputError, match="find motions with friction by time integration"):
+            ask()
+    motion = train.integrate(frequency=0.2)
+    with pytest.raises(gt.InputError, match="take differences of refined motions"):
+        motion.gradient("rms", ["coupling 1 friction_torque"])
+    with pytest.raises(gt.InputError, match="time constants without friction"):
+        train.integrate(frequency=0.2, window=20)
+    twice = replace(train, couplings=[*train.couplings, replace(train.couplings[0], half_play=None)])
+    with pytest.raises(gt.InputError, match="nothing determines their torques"):
+        twice.integrate(frequency=0.2)
+    with pytest.raises(gt.InputError, match="lacks stiffness"):
+        rotor(1.0, friction_torque=5.0)
