@@ -20,7 +20,7 @@ contains
       integer :: first, i, j, k, n
 
       associate (system => balance%system)
-         first = system%meshes - size(loss)
+         first = system%torque_paths%pairs
          do i = 1, size(loss)
             j = first + i
             n = findloc(balance%mesh, j, 1)

@@ -20,18 +20,17 @@ contains
       type(motion_type), intent(inout) :: motion
       integer :: i, j, n, s
 
-      n = size(motion%shaft_torque_mean) - system%meshes
       associate (paths => system%torque_paths)
+         n = paths%torques - paths%couplings - paths%pairs
          do j = 1, system%meshes
             if (.not. system%friction(j) > 0) cycle
-            do s = 1, paths%rows
+            do s = 1, paths%torques
                do i = paths%first(s), paths%first(s + 1) - 1
                   if (paths%element(i) /= system%mesh_element(j)) cycle
                   motion%shaft_torque_mean(s) = motion%shaft_torque_mean(s) + paths%gain(i)*system%stiffness(paths%element(i)) &
                                                 *system%characteristic_length*(exact(3, j)/system%load_unit(j) - sampled(j))
                end do
             end do
-            ! Couplings are the last of both lists.
             motion%shaft_torque_minimum(n + j) = -system%load_unit(j)*largest(2, j)
             motion%shaft_torque_maximum(n + j) = system%load_unit(j)*largest(1, j)
          end do

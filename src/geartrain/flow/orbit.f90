@@ -7,6 +7,7 @@ module geartrain_flow_orbit
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_bearing_figures, only: measure_bearings
    use geartrain_flow_friction_figures, only: correct_torques
    use geartrain_flow_force_series, only: energy_loss, extend_range, force_series, impulse
    use geartrain_flow_sampled_peak, only: peak
@@ -175,7 +176,7 @@ contains
             end if
             if (present(loss)) then
                do j = 1, size(loss)
-                  associate (mesh => system%meshes - size(loss) + j)
+                  associate (mesh => system%torque_paths%pairs + j)
                      loss(j) = loss(j) + energy_loss(flow, mesh, contact(mesh))*(2*pi/frequency_ratio)/(stretches*stretch)
                   end associate
                end do
@@ -407,24 +408,6 @@ contains
          end do
       end do
    end subroutine measure
-
-   !> Sets the forces of the bearings.
-   subroutine measure_bearings(system, torque, motion)
-      type(system_type), intent(in) :: system
-      !> Rows of the torque paths, the forces of bearings last [N], (samples, row).
-      real(dp), intent(in) :: torque(:, :)
-      type(motion_type), intent(inout) :: motion
-      integer :: form(2), j, q
-
-      q = size(torque, 1)
-      form = [2, system%torque_paths%bearings]
-      associate (force => torque(:, system%torque_paths%torques + 1:), open => motion%window > 0)
-         motion%bearing_force_mean = reshape(sum(force, 1)/q, form)
-         motion%bearing_force_rms = reshape([(sqrt(sum((force(:, j) - sum(force(:, j))/q)**2)/q), j=1, size(force, 2))], form)
-         motion%bearing_force_minimum = reshape([(-peak(-force(:, j), open), j=1, size(force, 2))], form)
-         motion%bearing_force_maximum = reshape([(peak(force(:, j), open), j=1, size(force, 2))], form)
-      end associate
-   end subroutine measure_bearings
 
    !> Sets what a longer window would change of the figures.
    subroutine find_uncertainty(system, p, force, torque, motion)

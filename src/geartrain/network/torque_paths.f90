@@ -15,6 +15,8 @@ module geartrain_network_torque_paths
    type :: torque_paths_type
       !> Number of torques and forces, and of shafts, held bodies, couplings and bearings, which have two rows: in this order.
       integer :: rows = 0, shafts = 0, held = 0, couplings = 0, bearings = 0
+      !> Number of gear pairs, which stand before the couplings among the meshes.
+      integer :: pairs = 0
       !> Number of rows that are torques.
       integer :: torques = 0
       !> .false.: nothing determines the torque, as of a rigid shaft beside other rigid shafts between the same bodies, (row).
@@ -60,6 +62,7 @@ contains
       radius = merge(coupling_radius, 1.0_dp, train%meshes(coupling)%is_coupling)
       coupling = [(findloc(network%elements%mesh, coupling(n), 1), n=1, size(coupling))]
       paths%shafts = size(train%shafts)
+      paths%pairs = count(train%meshes%is_pair())
       paths%couplings = count(train%meshes%is_coupling)
       paths%bearings = count(train%meshes%axis == 1)
       paths%torques = paths%shafts + paths%held + paths%couplings

@@ -86,8 +86,7 @@ module geartrain_trace_branch
    type :: branch_type
       !> Numbers of points, meshes, shafts, held bodies, couplings, planets, multipliers of a point (of many states the leading
       !> ones; 0 where the period is long) and harmonics in use; period of the motions in periods of the fundamental.
-      integer :: points = 0, meshes = 0, shafts = 0, held = 0, couplings = 0, planets = 0, states = 0, harmonics = 0, &
-         subharmonic = 1
+      integer :: points = 0, meshes = 0, shafts = 0, held = 0, couplings = 0, planets = 0, states = 0, harmonics = 0, subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
       !> Harmonics of Lambda/subharmonic that `coefficients` has room for, ascending: 1 .. harmonics; where balances carry sets of
@@ -349,8 +348,7 @@ contains
          if (fields%has('reaction_torque_mean', branch%held > 0)) call fields%index_axis('held', branch%held, about_held)
          if (fields%has('coupling_torque_mean', branch%couplings > 0)) &
             call fields%index_axis('coupling', branch%couplings, about_coupling)
-         call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, &
-                            branch%shaft_torque_maximum)
+         call carry_torques(fields, branch%shaft_torque_mean, branch%shaft_torque_minimum, branch%shaft_torque_maximum)
          if (fields%has('coupling_energy_loss', allocated(branch%coupling_energy_loss))) &
             call carry(fields, loss_row('point'), branch%coupling_energy_loss)
       end if
