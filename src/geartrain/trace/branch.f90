@@ -86,7 +86,8 @@ module geartrain_trace_branch
    type :: branch_type
       !> Numbers of points, meshes, shafts, held bodies, couplings, planets, multipliers of a point (of many states the leading
       !> ones; 0 where the period is long) and harmonics in use; period of the motions in periods of the fundamental.
-      integer :: points = 0, meshes = 0, shafts = 0, held = 0, couplings = 0, planets = 0, states = 0, harmonics = 0, subharmonic = 1
+      integer :: points = 0, meshes = 0, shafts = 0, held = 0, couplings = 0, planets = 0, states = 0, harmonics = 0, &
+         subharmonic = 1
       !> Lambda, (point).
       real(dp), allocatable :: frequency_ratio(:)
       !> Harmonics of Lambda/subharmonic that `coefficients` has room for, ascending: 1 .. harmonics; where balances carry sets of
@@ -102,9 +103,8 @@ module geartrain_trace_branch
       !> Mesh forces, (mesh, point).
       type(mesh_load_type), allocatable :: mesh_load(:, :)
       !> Torque of each shaft, then of what holds each held body, then of each coupling, over the period [N m], (shaft, then held
-      !> body, then coupling, point); NaN where nothing determines it. Allocated where asked for.
+      !> body, then coupling, point); NaN where nothing determines it; forces of bearings. Allocated where asked for.
       real(dp), allocatable :: shaft_torque_mean(:, :), shaft_torque_minimum(:, :), shaft_torque_maximum(:, :)
-      !> Forces of bearings.
       type(bearing_forces_type) :: bearing_force
       !> Energy that each coupling loses in a period of the fundamental [J], (coupling, point); allocated with the torques.
       real(dp), allocatable :: coupling_energy_loss(:, :)
