@@ -284,6 +284,19 @@ def test_an_internal_pair_and_an_axis_the_other_way(tmp_path):
     assert ahead.meshes[0].internal and ahead.bodies[0].torque == 50.0 and ahead.namelist() == back.namelist()
 
 
+def test_an_idle_pair_is_dragged(tmp_path):
+    """A wheel without load, loose beside the others: its teeth bear the drag alone, so that the train has a rest."""
+    box = one_stage()
+    loose = box.shaft("Loose", [(30.0, 0.0, 40.0)], at=(140.0, 0.0, 100.0))
+    idle = box.gear(loose, "Idle", 71, 2.5, 10.0, 20.0)
+    box.stage("Idle stage", box.number("Pinion ["), idle, 118.0)
+    train = gt.read_rexs(box.write(tmp_path / "a.rexs"))
+    dragged = [body for body in train.bodies if body.torque and body.torque < 0]
+    assert [body.name for body in dragged] == [f"Idle [{idle}]"]
+    assert dragged[0].torque == pytest.approx(-1e-3 * 90 * 71 / 23, rel=5e-3)  # written with three digits
+    assert said(train.notes, "missing", "drag of idle parts") and train.meshes[1].between[1] == f"Idle [{idle}]"
+
+
 # Load cases.
 
 def spectrum(tmp_path):
