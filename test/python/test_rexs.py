@@ -359,6 +359,21 @@ def test_thinning_of_din_3967(diameter, upper, lower):
     assert mean_thinning("c25", diameter) == pytest.approx(1e-6 * (upper + lower) / 2, rel=1e-12)
 
 
+@pytest.mark.parametrize(("teeth", "module", "helix", "smallest", "largest"), [
+    ((27, 51), 4.5, 21.0, 0.22971364245172785, 0.3765541638160784), ((23, 34), 6.5, 10.0, 0.21762345074374218, 0.35673552361523214)])
+def test_backlash_of_another_program(tmp_path, teeth, module, helix, smallest, largest):
+    """Mean transverse backlash [mm] of FVA Workbench, for the stages of its two-stage gearbox of 190 mm (fva-net/rexs-diff)."""
+    box = one_stage().change("Stage", center_distance=("mm", 190.0)).change("Output", support_vector=None)
+    for name, count, hand in zip(("Pinion [", "Wheel ["), teeth, (1, -1), strict=True):
+        box.change(name, number_of_teeth=("none", count), normal_module=("mm", module),
+                   helix_angle_reference_diameter=("deg", hand * helix))
+    for name in ("Pinion ", "Wheel "):
+        for side in ("left", "right"):
+            box.change(name + side, addendum_modification_coefficient=None)
+    read = gt.read_rexs(box.write(tmp_path / "a.rexs"))
+    assert read.meshes[0].backlash == pytest.approx(5e-4 * (smallest + largest), rel=1e-4)
+
+
 def test_words_that_are_no_series():
     assert mean_thinning(" cd25 ", 0.1) == pytest.approx(90e-6)
     assert [mean_thinning(word, 0.1) for word in ("", "c20", "c31", "x25", "25c", "cc25")] == [None] * 6
