@@ -360,7 +360,8 @@ def test_thinning_of_din_3967(diameter, upper, lower):
 
 
 @pytest.mark.parametrize(("teeth", "module", "helix", "smallest", "largest"), [
-    ((27, 51), 4.5, 21.0, 0.22971364245172785, 0.3765541638160784), ((23, 34), 6.5, 10.0, 0.21762345074374218, 0.35673552361523214)])
+    ((27, 51), 4.5, 21.0, 0.22971364245172785, 0.3765541638160784),
+    ((23, 34), 6.5, 10.0, 0.21762345074374218, 0.35673552361523214)])
 def test_backlash_of_another_program(tmp_path, teeth, module, helix, smallest, largest):
     """Mean transverse backlash [mm] of FVA Workbench, for the stages of its two-stage gearbox of 190 mm (fva-net/rexs-diff)."""
     box = one_stage().change("Stage", center_distance=("mm", 190.0)).change("Output", support_vector=None)
