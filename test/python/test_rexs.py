@@ -284,6 +284,19 @@ def test_an_internal_pair_and_an_axis_the_other_way(tmp_path):
     assert ahead.meshes[0].internal and ahead.bodies[0].torque == 50.0 and ahead.namelist() == back.namelist()
 
 
+def test_an_idle_pair_is_dragged(tmp_path):
+    """A wheel without load, loose beside the others: its teeth bear the drag alone, so that the train has a rest."""
+    box = one_stage()
+    loose = box.shaft("Loose", [(30.0, 0.0, 40.0)], at=(140.0, 0.0, 100.0))
+    idle = box.gear(loose, "Idle", 71, 2.5, 10.0, 20.0)
+    box.stage("Idle stage", box.number("Pinion ["), idle, 118.0)
+    train = gt.read_rexs(box.write(tmp_path / "a.rexs"))
+    dragged = [body for body in train.bodies if body.torque and body.torque < 0]
+    assert [body.name for body in dragged] == [f"Idle [{idle}]"]
+    assert dragged[0].torque == pytest.approx(-1e-3 * 90 * 71 / 23, rel=5e-3)  # written with three digits
+    assert said(train.notes, "missing", "drag of idle parts") and train.meshes[1].between[1] == f"Idle [{idle}]"
+
+
 # Load cases.
 
 def spectrum(tmp_path):
@@ -344,6 +357,22 @@ def test_the_executable_without_the_package(executable, tmp_path):
 def test_thinning_of_din_3967(diameter, upper, lower):
     """c25, as FVA Workbench has worked it out in published files (fva-net/rexs-diff)."""
     assert mean_thinning("c25", diameter) == pytest.approx(1e-6 * (upper + lower) / 2, rel=1e-12)
+
+
+@pytest.mark.parametrize(("teeth", "module", "helix", "smallest", "largest"), [
+    ((27, 51), 4.5, 21.0, 0.22971364245172785, 0.3765541638160784),
+    ((23, 34), 6.5, 10.0, 0.21762345074374218, 0.35673552361523214)])
+def test_backlash_of_another_program(tmp_path, teeth, module, helix, smallest, largest):
+    """Mean transverse backlash [mm] of FVA Workbench, for the stages of its two-stage gearbox of 190 mm (fva-net/rexs-diff)."""
+    box = one_stage().change("Stage", center_distance=("mm", 190.0)).change("Output", support_vector=None)
+    for name, count, hand in zip(("Pinion [", "Wheel ["), teeth, (1, -1), strict=True):
+        box.change(name, number_of_teeth=("none", count), normal_module=("mm", module),
+                   helix_angle_reference_diameter=("deg", hand * helix))
+    for name in ("Pinion ", "Wheel "):
+        for side in ("left", "right"):
+            box.change(name + side, addendum_modification_coefficient=None)
+    read = gt.read_rexs(box.write(tmp_path / "a.rexs"))
+    assert read.meshes[0].backlash == pytest.approx(5e-4 * (smallest + largest), rel=1e-4)
 
 
 def test_words_that_are_no_series():

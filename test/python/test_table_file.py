@@ -98,7 +98,8 @@ def test_words_of_tables(tmp_path, old, new, words):
 def test_what_is_no_table(tmp_path):
     path = tmp_path / "a.csv"
     for data, words in ((b"", "no row below a heading 'part'"), (b"part,name\n", "no row below"),
-                        (b"\xff\xfe\n", "no text in UTF-8"), (b"PK\x03\x04 no archive", "is no spreadsheet"), (b"part\n" + b"body\n" * 20001, "more than 20000 rows"),
+                        (b"\xff\xfe\n", "no text in UTF-8"), (b"PK\x03\x04 no archive", "is no spreadsheet"),
+                        (b"part\n" + b"body\n" * 20001, "more than 20000 rows"),
                         (b"x" * (16 * 2**20 + 1), "more than 16 MB")):
         path.write_bytes(data)
         with pytest.raises(gt.InputError, match=words):

@@ -146,7 +146,7 @@ def _groups(name: str, rows: Rows, comma: bool, problems: list[str]) -> list[tup
         if kind == _PART:
             columns = [_heading(str(cell)) for cell in cells]
         elif columns is None:
-            raise InputError(f"{place}: error: begins with {shown(cells[0])}: the first row must have headings, the first {_PART!r}")
+            raise InputError(f"{place}: error: begins with {shown(cells[0])}: the first row must have headings, {_PART!r} first")
         elif kind not in _KINDS:
             problems.append(f"{place}: error: {shown(cells[0])}: must be one of {', '.join(_KINDS)}{_near(kind, _KINDS)}")
         else:
@@ -163,7 +163,7 @@ def _heading(text: str) -> _Column:
 
 
 def _values(
-    place: str, kind: str, columns: Sequence[_Column], cells: Sequence[Any], comma: bool, problems: list[str]
+    place: str, kind: str, columns: Sequence[_Column], cells: Sequence[Any], comma: bool, problems: list[str],
 ) -> dict[str, Any]:
     """The variables of a row."""
     variables, found = VARIABLES[kind], {}
