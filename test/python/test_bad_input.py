@@ -190,7 +190,8 @@ def test_every_number_beyond_all_scales(table, tmp_path, extreme):
             continue
         path.write_text(case_text(table, variable, f"{variable.name} = {extreme}"))
         if variable.kind == "reals" and abs(extreme) < 1:
-            if variable.group != "body" and variable.name.endswith(("_cos", "_sin")):  # one body is too few
+            # One body is too few; errors of gears need teeth.
+            if variable.group != "body" and variable.name.endswith(("_cos", "_sin")) and not variable.name.startswith("driv"):
                 gt.read_case(path)
             continue
         with pytest.raises(gt.InputError) as caught:

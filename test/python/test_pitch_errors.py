@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from scipy.integrate import solve_ivp
 
 import geartrain as gt
@@ -210,4 +211,20 @@ def test_sidebands_have_owners():
     assert owner[1] == "pinion" and owner[3] == "3 x pinion" and owner[20] == "mesh 1" and owner[40] == "2 x mesh 1"
     assert owner[19] == "1 x mesh 1 - 1 x pinion" and owner[22] == "1 x mesh 1 + 2 x pinion"
     assert owner[39] == "2 x mesh 1 - 1 x pinion" and owner[25] == "1 x mesh 1 + 5 x pinion"
+    assert owner.get(180, "9 x mesh 1") == "9 x mesh 1"
     assert table.amplitude.dims == ("order", "mesh") and table.per_revolution.values.tolist() == table.order.values.tolist()
+
+
+def test_the_case_of_the_pages():
+    """Numbers of docs/case-studies.md."""
+    train = gt.read_case(ROOT / "namelists" / "pitch_errors.nml").train
+    pinion = {"driven_runout": 0.0, "driven_runout_phase": 0.0}
+    for errors, force, orders in (({}, 3345, {1: 0.0370, 19: 0.0080, 20: 2.812, 21: 0.0080}),
+                                  ({"driving_pitch_error": None}, 3323, {1: 2.812})):
+        alone = replace(train, meshes=[replace(train.meshes[0], **pinion, **errors)])
+        branch = alone.response(start=3000.0, stop=3001.0, harmonics=0, max_points=2)
+        motion = branch.at(branch.frequency[0])[0]
+        assert motion.mesh_force_maximum[0] == pytest.approx(force, abs=0.6)
+        order, amplitude = motion.spectrum()
+        for number, height in orders.items():
+            assert amplitude[order.tolist().index(number), 0] == pytest.approx(height, rel=6e-3)

@@ -63,19 +63,18 @@ def gears_with_errors(train: Description) -> list[tuple[int, str, int, int]]:
 
 def owners_of(train: Description, orders: Iterable[float], names: dict[float, str]) -> list[str]:
     """What each order comes from: its name, or the nearest sideband that it is; ``''`` where nothing is known."""
-    gears = gears_with_errors(train)
+    gears, meshes = gears_with_errors(train), [int(order) for order in train._outline["order"][:len(train.meshes)]]
     exact = {round(order, 6): name for order, name in names.items()}
 
     def owner(order: float) -> str:
-        sidebands = []
+        found = [(0.0, f"{order / mesh:.0f} x mesh {number}") for number, mesh in enumerate(meshes, 1) if not order % mesh]
         for number, gear, mesh, turn in gears:
             times = round(order / mesh)
             far = (order - times * mesh) / turn
             if abs(far - round(far)) < 1e-6:
                 turns = f"{abs(round(far))} x {gear}"
-                name = f"{times} x mesh {number} {'+' if far > 0 else '-'} {turns}" if times else turns
-                sidebands.append((abs(far), name))
-        return min(sidebands)[1] if sidebands else ""
+                found.append((abs(far), f"{times} x mesh {number} {'+' if far > 0 else '-'} {turns}" if times else turns))
+        return min(found)[1] if found else ""
 
     return [exact.get(round(float(order), 6)) or owner(float(order)) for order in orders]
 

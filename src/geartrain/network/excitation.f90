@@ -1,5 +1,6 @@
 !> Harmonics of Lambda that excite a train: by the torques, the mesh stiffnesses and the transmission errors.
 module geartrain_network_excitation
+   use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: series_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
@@ -36,7 +37,7 @@ contains
       do j = 1, system%meshes
          reach = max(reach, lowest_harmonic(system%law(j)%variation()), lowest_harmonic(system%transmission_error(j)))
          ! Errors of the gears may have lower harmonics than the error of the mesh.
-         reach = max(reach, lowest_harmonic(system%transmission_error(j), nint(system%law(j)%order)))
+         reach = max(reach, lowest_harmonic(system%transmission_error(j), system%law(j)%order))
       end do
    end function reach_of_sources
 
@@ -44,15 +45,19 @@ contains
    pure integer function lowest_harmonic(series, order) result(lowest)
       !> A source of excitation, in any unit.
       type(series_type), intent(in) :: series
-      !> Only multiples of this order count; absent: all.
-      integer, intent(in), optional :: order
-      integer :: h, divisor
+      !> Only multiples of this order count, a whole number over how often the waveform repeats itself in a period; absent: all.
+      real(dp), intent(in), optional :: order
+      real(dp) :: divisor
+      integer :: h
 
       divisor = 1
       if (present(order)) divisor = order
       lowest = 0
       do h = size(series%harmonic), 1, -1
-         if (abs(series%amplitude(h)) > 0 .and. mod(series%harmonic(h), divisor) == 0) lowest = series%harmonic(h)
+         if (.not. abs(series%amplitude(h)) > 0) cycle
+         associate (multiple => series%harmonic(h)/divisor)
+            if (abs(multiple - anint(multiple)) < 1e-9_dp*multiple) lowest = series%harmonic(h)
+         end associate
       end do
    end function lowest_harmonic
 
