@@ -286,7 +286,7 @@ def random_train(seed):
     rng = np.random.default_rng(seed)
     count = int(rng.integers(3, 6))
     names = [f"b{place}" for place in range(count)]
-    bodies = [gt.Body(name=names[0], inertia=0.03, torque=float(rng.uniform(15, 40)), torque_cos=[float(rng.uniform(5, 30))]),
+    bodies = [gt.Body(name=names[0], inertia=0.03, torque=float(rng.uniform(15, 40)), torque_cos=[float(rng.uniform(10, 40))]),
               *(gt.Body(name=name, inertia=float(rng.uniform(0.004, 0.02)), balances=name == names[-1]) for name in names[1:])]
     meshes, couplings = [], []
     for place in range(1, count):
@@ -296,7 +296,7 @@ def random_train(seed):
                                   stiffness=float(rng.uniform(0.5e7, 2e7)), damping=float(rng.uniform(500, 1500)),
                                   half_backlash=20e-6))
         else:
-            friction = float(rng.uniform(1.0, 12.0)) if place == 1 or rng.uniform() < 0.7 else 0.0
+            friction = float(rng.uniform(0.5, 5.0)) if place == 1 or rng.uniform() < 0.7 else 0.0
             couplings.append(replace(random_coupling(rng, ends, False), friction_torque=friction))
     return gt.Train(characteristic_length=LENGTH, characteristic_frequency=RATE, bodies=bodies, meshes=meshes, couplings=couplings)
 
@@ -304,15 +304,14 @@ def random_train(seed):
 @pytest.mark.full
 def test_random_networks(times):
     compared = stuck = 0
-    for seed in range(times(100)):
+    for seed in range(times(60)):
         train = random_train(seed)
         frequency = 0.2 + 0.03 * (seed % 11)
         motion = train.integrate(frequency=frequency)
         if not motion.period or motion.period > 4:
             continue
         compared += 1
-        samples = 2048
-        displacement, loss, multipliers, sticks = Events(train, frequency * RATE).fly(motion, samples)
+        displacement, loss, multipliers, sticks = Events(train, frequency * RATE).fly(motion, 1024)
         stuck += sticks
         scale = np.abs(displacement).max(axis=0)
         assert np.abs(displacement[-1] - displacement[0]).max() < 1e-8 * scale.max(), seed
@@ -321,7 +320,7 @@ def test_random_networks(times):
         assert motion.rms == pytest.approx(rms, abs=1e-8 * scale.max()), seed
         assert motion.coupling_energy_loss == pytest.approx(loss, rel=1e-5, abs=1e-12), seed
         assert np.abs(np.sort(abs(motion.multipliers)) - np.sort(abs(multipliers))).max() < 1e-6, seed
-    assert compared >= 0.6 * times(100) and stuck >= 0.2 * times(100)
+    assert compared >= 0.6 * times(60) and stuck >= 0.3 * times(60)
 
 
 # What sticks throughout

@@ -24,8 +24,9 @@ contains
       integer, intent(in) :: last_mesh, last_wall
       !> Length of the step [1].
       real(dp), intent(inout) :: h
-      !> Whether there is an event; its mesh and wall.
+      !> Whether there is an event.
       logical, intent(out) :: found
+      !> Its mesh and wall.
       integer, intent(out) :: mesh, wall
       real(dp) :: f(0:ubound(p, 3)), root, span
       integer :: j, n, w
