@@ -126,8 +126,8 @@ contains
       end associate
    end subroutine factor
 
-   !> Whether the blocks from number k on are several and all coupled, as those of the planets of a set: together they have no zeros,
-   !> and one elimination is faster than that of block after block.
+   !> Whether the blocks from number k on are several and all coupled, as those of the planets of a set: the matrix of them has no
+   !> zeros, and one elimination is faster than that of block after block.
    pure logical function all_coupled(graph, k)
       type(graph_type), intent(in) :: graph
       integer, intent(in) :: k
