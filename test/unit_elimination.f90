@@ -1,12 +1,14 @@
-!> Small numerical tools: LU factors against the products they are made of, for sizes on both sides of the change to LAPACK; first
-!> roots of polynomials; sorting.
+!> Small numerical tools: LU factors against the products they are made of, for sizes on both sides of the change to LAPACK; blocks
+!> along a graph; first roots of polynomials; sorting.
 module unit_elimination
    use, intrinsic :: ieee_arithmetic, only: ieee_get_halting_mode, ieee_invalid, ieee_quiet_nan, ieee_set_flag, &
       ieee_set_halting_mode, ieee_value
-   use geartrain, only: dp
+   use geartrain_base_kinds, only: dp
    use geartrain_base_sorting, only: ascending
-   use geartrain_linalg_elimination, only: factor_matrix, solve_factored
+   use geartrain_linalg_bordered, only: bordered_type
+   use geartrain_linalg_elimination, only: determinant_sign, factor_matrix, solve_factored
    use geartrain_linalg_first_root, only: first_root
+   use geartrain_linalg_graph, only: graph_type
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -26,6 +28,7 @@ contains
          call solves(tests, 32)
          call solves(tests, 33)
       end if
+      if (tests%runs('blocks')) call blocks(tests)
       if (tests%runs('singular')) then
          ! All quotients are powers of two: the elimination is exact, also with products that are not rounded.
          singular = reshape(1.0_dp*[4, 2, 1, 8, 4, 2, 0, 1, 0], [3, 3])
@@ -40,6 +43,57 @@ contains
          call tests%is_true(size(ascending([real(dp) ::])) == 0, 'no keys')
       end if
    end subroutine elimination_tests
+
+   !> Five blocks that are all coupled, as those of planets, and one that is coupled with the first: solution and sign of the
+   !> determinant are those of the whole matrix.
+   subroutine blocks(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: n = 3, nodes = 6, rows = n*nodes + 1
+      type(graph_type) :: graph
+      type(bordered_type) :: matrix
+      real(dp) :: whole(rows, rows), factors(rows, rows), right(n, nodes), x(n, nodes), solution(rows), y
+      integer :: pairs(2, 2*11), i, j, k, info, pivot(rows)
+
+      k = 0
+      do i = 1, nodes
+         do j = 1, nodes
+            if (i == j .or. (max(i, j) == nodes .and. min(i, j) > 1)) cycle
+            k = k + 1
+            pairs(:, k) = [i, j]
+         end do
+      end do
+      call graph%setup(nodes, pairs)
+      call matrix%resize(n, graph)
+      call random_number(whole)
+      call random_number(right)
+      whole = whole - 0.5_dp
+      do i = 1, nodes
+         do j = 1, nodes
+            associate (a => (i - 1)*n, b => (j - 1)*n)
+               if (graph%entry_of(i, j) > 0) then
+                  matrix%entry(:, :, graph%entry_of(i, j)) = whole(a + 1:a + n, b + 1:b + n)
+               else
+                  whole(a + 1:a + n, b + 1:b + n) = 0
+               end if
+            end associate
+         end do
+      end do
+      matrix%column = reshape(whole(:rows - 1, rows), [n, nodes])
+      matrix%row = reshape(whole(rows, :rows - 1), [n, nodes])
+      matrix%corner = whole(rows, rows)
+      call matrix%factor(info)
+      call tests%is_true(info == 0, 'blocks are regular')
+      x = right
+      y = 0.7_dp
+      call matrix%solve(x, y)
+      factors = whole
+      call factor_matrix(rows, factors, pivot, info)
+      solution = [right, 0.7_dp]
+      call solve_factored(rows, 1, factors, pivot, solution)
+      ! Rounding times a condition number of some thousand at most.
+      call tests%is_close(maxval(abs([x, y] - solution))/maxval(abs(solution)), 0.0_dp, 1e-11_dp, 'blocks: solution')
+      call tests%is_true(matrix%orientation == determinant_sign(factors, pivot), 'blocks: sign of the determinant')
+   end subroutine blocks
 
    !> Polynomials with known roots.
    subroutine first_roots(tests)

@@ -92,3 +92,13 @@ def test_every_motion_of_a_symmetric_set():
     assert len(found) == 7
     assert sorted(np.bincount(found.orbit)[1:]) == [1, 3, 3]
     assert "these are 3 motions" in str(found)
+
+
+def test_edges_of_planets_in_sequence():
+    """Planets in sequence lose contact at one speed, which is solved for once: there each mesh just touches."""
+    branch = stage(teeth=(26, 31, 88)).response(start=1.3, stop=1.5, harmonics=8)
+    onsets = [(onset.mesh, onset.frequency) for onset in branch.onsets]
+    assert [mesh for mesh, _ in onsets] == [1, 2, 3, 1, 2, 3]
+    for mesh, frequency in onsets:
+        # The gap of a sun mesh is 2 characteristic lengths.
+        assert min(abs(motion.minimum[mesh - 1] - 2.0) for motion in branch.at(frequency)) < 1e-6

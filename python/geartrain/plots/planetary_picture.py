@@ -134,7 +134,9 @@ def _draw_lever(train: Description, told: Mapping[str, Any], ax: Axes, speed: fl
         words = _member(told[member])
         if member in turns:
             words += f"\n{at:.4g}"
-        ax.annotate(words, (at, height), (8, 5), textcoords="offset points", fontsize=8, va="bottom")
+        # The lever may pass below the words.
+        behind = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+        ax.annotate(words, (at, height), (8, 5), textcoords="offset points", fontsize=8, va="bottom", bbox=behind, zorder=5)
     if "planet_turns" in told:
         ax.set_title(f"planets: {factor * float(told['planet_turns']):.4g}", fontsize=8, loc="left", color=COLORS[0])
     ax.set_xlabel(unit)

@@ -19,6 +19,8 @@ module geartrain_linalg_bordered
    real(dp), parameter :: least_pivot = 1e-10_dp
    !> Most rows that are factored together: a second on one core.
    integer, parameter :: most_together = 2500
+   !> Least blocks that follow a block and are coupled with it, for which all are factored together: fewer gain nothing.
+   integer, parameter :: least_together = 3
 
    type :: bordered_type
       !> Rows of a block.
@@ -88,6 +90,10 @@ contains
          do k = 1, nodes - 1
             info = 1
             if (self%interrupt%raised()) return
+            if (all_coupled(graph, k) .and. n*(nodes - k + 1) < most_together) then
+               call self%factor_rest(k - 1, info)
+               return
+            end if
             i = graph%order(k)
             held = self%entry(:, :, i)
             call factor_matrix(n, self%entry(:, :, i), self%pivot(:, i), info)
@@ -119,6 +125,15 @@ contains
          call self%factor_rest(nodes - 1, info)
       end associate
    end subroutine factor
+
+   !> Whether the blocks from number k on are several and all coupled, as those of the planets of a set: the matrix of them has no
+   !> zeros, and one elimination is faster than that of block after block.
+   pure logical function all_coupled(graph, k)
+      type(graph_type), intent(in) :: graph
+      integer, intent(in) :: k
+
+      all_coupled = graph%nodes - k >= least_together .and. graph%first(k + 1) - graph%first(k) == graph%nodes - k
+   end function all_coupled
 
    !> Factors the blocks that are left, with the border, as one matrix.
    subroutine factor_rest(self, single, info)

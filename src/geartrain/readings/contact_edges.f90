@@ -29,6 +29,8 @@ module geartrain_readings_contact_edges
    real(dp), parameter :: located = 1e-7_dp, nearly = 1e-13_dp
    !> A point closer to its neighbour than this share of the piece is no node of the polynomial [1].
    real(dp), parameter :: nearest = 0.03_dp
+   !> Difference of the depths of meshes that move alike, as those of equal planets, over half the backlash [1]: rounding.
+   real(dp), parameter :: alike = 1e-10_dp
 
    !> A piece of a branch between neighbouring points, with a polynomial through up to four points.
    type :: piece_type
@@ -60,9 +62,9 @@ contains
       type(piece_type) :: piece
       type(solution_point_type) :: solution
       real(dp) :: first, last
-      real(dp), allocatable :: gap(:, :)
+      real(dp), allocatable :: gap(:, :), ends(:, :)
       integer, allocatable :: stages(:)
-      integer :: i, j, k, n, stage
+      integer :: i, j, k, n, stage, same, before
       logical, allocatable :: staged(:)
       logical :: ready, success, keep_going, back
 
@@ -73,7 +75,7 @@ contains
          gap(:, j) = gap_along(branch, j)
       end do
       if (.not. (any(gap > 0) .or. any(train%meshes%is_coupling))) return
-      allocate (edges(most_edges))
+      allocate (edges(most_edges), ends(2, most_edges))
       n = 0
       call begin_trace(train, settings, systems, tracer, branch)
       ! Over a parameter the walls may move.
@@ -82,6 +84,7 @@ contains
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.
+         before = n
          do j = 1, branch%meshes
             stages = [integer ::]
             if (staged(j)) stages = stages_of(tracer%system, j)
@@ -100,6 +103,13 @@ contains
                edges(n)%mesh = j
                edges(n)%back = back
                edges(n)%stage = stage
+               ends(:, n) = [first, last]
+               same = edge_alike()
+               if (same > 0) then
+                  edges(n)%frequency_ratio = edges(same)%frequency_ratio
+                  edges(n)%rms = edges(same)%rms
+                  cycle
+               end if
                call locate(j, back, first, last, edges(n)%frequency_ratio, success)
                if (success) edges(n)%rms = rms_of(tracer%corrector, solution)
                if (.not. success) n = n - 1
@@ -113,6 +123,18 @@ contains
       branch%contact_edges = edges(:n)
 
    contains
+
+      !> Number of an edge of this piece that is located already, of a mesh with the depths of mesh j at both ends; 0: none.
+      pure integer function edge_alike()
+         do edge_alike = n - 1, before + 1, -1
+            associate (edge => edges(edge_alike))
+               if ((edge%back .neqv. back) .or. edge%stage /= stage .or. stage /= no_stage) cycle
+               if (all(abs(gap(i:i + 1, edge%mesh) - gap(i:i + 1, j)) <= alike*gap(i:i + 1, j)) .and. &
+                   all(abs(ends(:, edge_alike) - ends(:, n)) <= alike*gap(i:i + 1, j))) return
+            end associate
+         end do
+         edge_alike = 0
+      end function edge_alike
 
       !> Makes `piece` the piece of the branch between the points i and i + 1.
       subroutine prepare_piece(i)

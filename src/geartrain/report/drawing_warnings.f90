@@ -427,7 +427,7 @@ contains
                                               short(line_load/1000)//' N/mm')
          if (.not. line_load > 0) then
             call add('it carries no load, and ISO 6336-1 has no stiffness without load: the value at 100 N/mm is used; give &
-               &stiffness [N/m], or a drag torque on the unloaded body')
+               &stiffness [N/m], or a drag torque on the unloaded body; a planet is unloaded by its place, planet_errors')
          else if (line_load < 0.01_dp*light_load) then
             call add('its line load is '//short(line_load/1000)//' N/mm, far below the loads for which ISO 6336-1 holds: the &
                &stiffness by its rule for light loads, (load/100 N/mm)^0.25 = '//short(light)// &
