@@ -335,8 +335,9 @@ def compare(train, motion, samples=720):
     assert motion.maximum == pytest.approx(path.max(1), abs=1e-3 * scale.max())
     force = support.reshape(-1, 2, support.shape[1])
     largest = np.abs(force).max()
-    assert motion.bearing_force_mean == pytest.approx(force.mean(2), abs=1e-7 * largest)
-    assert motion.bearing_force_rms == pytest.approx(force.std(2), abs=1e-7 * largest)
+    # Means of equidistant samples of a force whose slope jumps: 1/720**2.
+    assert motion.bearing_force_mean == pytest.approx(force.mean(2), abs=2e-6 * largest)
+    assert motion.bearing_force_rms == pytest.approx(force.std(2), abs=2e-6 * largest)
     assert motion.bearing_force_minimum == pytest.approx(force.min(2), abs=1e-3 * largest)
     assert motion.bearing_force_maximum == pytest.approx(force.max(2), abs=1e-3 * largest)
     left = list(multipliers)
