@@ -302,7 +302,7 @@ def random_train(seed):
     return gt.Train(characteristic_length=LENGTH, characteristic_frequency=RATE, bodies=bodies, meshes=meshes, couplings=couplings)
 
 
-@pytest.mark.full
+@pytest.mark.nightly
 def test_random_networks(times):
     compared = stuck = 0
     for seed in range(times(60)):
