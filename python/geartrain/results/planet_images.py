@@ -41,7 +41,8 @@ class PlanetImages:
         with train._ask() as box:
             group = box.show("symmetries")["/symmetries"]
             shift = np.atleast_1d(group.column("shift")).astype(float)
-            planet, kind = (np.asarray(group.column(name), int).reshape(len(shift), -1) for name in ("planet", "kind"))
+            columns = (np.asarray(group.column(name), int) for name in ("planet", "kind"))
+            planet, kind = (column.reshape(len(shift), column.size // max(1, len(shift))) for column in columns)
         self._turns = [_turn(one, other, by) for one, other, by in zip(planet, kind, shift, strict=True)]
         # Planets in phase: any two may change places.
         self._swaps = [_swap(one, other, a, b) for one, other, by in zip(planet, kind, shift, strict=True) if abs(by) == 0

@@ -125,7 +125,7 @@ contains
          do i = 1, meshes
             call checker%enter('mesh', i)
             if (train%meshes(i)%line_given) call checker%complain('line_of_action', real_text(train%meshes(i)%line_of_action), &
-               'is for bodies on bearings, but there is no &body: leave it out')
+               'must be left out: it is for bodies on bearings, and there is no &body')
             if (any(train%meshes(i)%between /= '')) &
                call checker%complain('between', "'"//trim(train%meshes(i)%between(1))//"', ...", cure)
             call checker%leave()
