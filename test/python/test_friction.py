@@ -435,3 +435,30 @@ def test_idle_rattle():
     harder = train.integrate(frequency=700.0)
     assert lighter.separation_fraction[1] > 0.05 and harder.separation_fraction[1] > 0.05
     assert lighter.coupling_energy_loss[0] > 0.1 and harder.mesh_force_maximum[1] > 1.2 * lighter.mesh_force_maximum[1]
+
+
+def test_beside_bearings():
+    """Very stiff bearings change nothing, and stand after the couplings: each torque and loss is still its own."""
+    damped = {"mass": 1.0, "stiffness": [1e12, 1e12], "damping": [1e3, 1e3]}
+
+    def train(bearings, **axes):
+        motor = gt.Body(name="motor", inertia=0.02, torque=40.0, torque_cos=[20.0])
+        load = gt.Body(name="load", inertia=0.3, balances=True)
+        pinion = gt.Body(name="pinion", inertia=0.002, position=axes.get("pinion"))
+        wheel = gt.Body(name="wheel", inertia=0.02, position=axes.get("wheel"))
+        mesh = gt.Mesh(between=("pinion", "wheel"), driving_radius=0.035, driven_radius=0.058, stiffness=2e8, damping_ratio=0.05,
+                       half_backlash=20e-6, stiffness_cos=[0.1])
+        coupling = gt.Coupling(between=("motor", "pinion"), stiffness=5e3, half_play=0.005, damping_ratio=0.02, friction_torque=3.0)
+        shaft = gt.Shaft(between=("wheel", "load"), stiffness=5e4, damping_ratio=0.03)
+        return gt.Train(bodies=[motor, pinion, wheel, load], shafts=[shaft], meshes=[mesh], couplings=[coupling], bearings=bearings,
+                        characteristic_frequency=1e4, characteristic_length=20e-6)
+
+    plain = train([]).integrate(frequency=0.04)
+    carried = train([gt.Bearing(body=name, **damped) for name in ("pinion", "wheel")], pinion=(0.0, 0.0), wheel=(0.1, 0.0))
+    stiff = carried.integrate(frequency=0.04)
+    # Bearings of 1e12 N/m beside a mesh of 2e8 N/m: 4e-4 of its stiffness, and less of the motion's figures.
+    np.testing.assert_allclose(stiff.rms[:2], plain.rms, rtol=4e-4)
+    for name in ("coupling_torque_mean", "coupling_torque_maximum", "coupling_energy_loss", "shaft_torque_mean"):
+        np.testing.assert_allclose(getattr(stiff, name), getattr(plain, name), rtol=4e-4)
+    force = 40.0 / 0.035
+    assert np.hypot(*stiff.bearing_force_mean[0]) == pytest.approx(force, rel=1e-3)
