@@ -57,9 +57,12 @@ class Recording:
         ------
         ModuleNotFoundError
             Where pyuff is not installed.
+        OSError
         """
         pyuff = extra("pyuff")
         time, channels, _ = self._recorded(periods, 1)
+        # A path that cannot be written is an OSError here, and no exception of pyuff's own kind.
+        open(path, "wb").close()
         target = pyuff.UFF(os.fspath(path))
         sets: list[dict[str, Any]] = [pyuff.prepare_164(
             units_code=1, units_description="SI", temp_mode=1, length=1.0, force=1.0, temp=1.0, temp_offset=273.15)]
