@@ -288,7 +288,7 @@ contains
       type(response_settings_type) :: settings
       type(audit_type) :: audit
       type(error_type), allocatable :: error
-      character(20) :: kinds
+      character(24) :: kinds
       integer :: i, folds, doublings
 
       train = paper_train()
