@@ -42,6 +42,7 @@ contains
       call check_inertias(train, shaft_ends, mesh_ends, checker)
       if (.not. all(train%meshes%driving_radius > 0 .and. train%meshes%driven_radius > 0)) return
       call find_carriers(train, carrier)
+      if (any(carrier < 0)) return
       call check_joints(train, shaft_ends, mesh_ends, carrier, checker)
       call check_elastic(train, shaft_ends, mesh_ends, carrier, checker)
       if (any(train%meshes%axis > 0 .or. train%meshes%line_given)) then
