@@ -78,6 +78,10 @@ def test_what_is_no_report(results, tmp_path, capsys):
         with pytest.raises(gt.InputError, match=r"must end in \.pdf or \.html"):
             results.report(tmp_path / wrong)
     assert main([str(tmp_path / "none.h5")]) == 4 and "none.h5" in capsys.readouterr().err
+    page = tmp_path / "a.html"  # of a name that a report may have
+    replace(results, response=None).write(page)
+    data = page.read_bytes()
+    assert main([str(page), "-o", str(page)]) == 2 and "is a results file" in capsys.readouterr().err and page.read_bytes() == data
     with pytest.raises(OSError, match="nowhere"):
         replace(results, response=None).report(tmp_path / "nowhere" / "a.html")
 

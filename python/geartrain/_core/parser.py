@@ -1,13 +1,16 @@
-"""The parser of the commands."""
+"""What the commands share: their parser, what they end with, and what they may not write over."""
 
 from __future__ import annotations
 
 import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
 from typing import NoReturn
 
-from ..errors import plain
+from ..errors import InputError, Interrupted, SolverError, plain
 
-__all__ = ["Parser"]
+__all__ = ["Parser", "exit_status", "refuse_results_file"]
 
 
 class Parser(argparse.ArgumentParser):
@@ -15,3 +18,27 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         super().error(plain(message))
+
+
+def exit_status(work: Callable[[], int]) -> int:
+    """What a command ends with.
+
+    `work`'s own status; or that of its error, which is told on standard error: 2 for bad arguments, a bad file or a package that is
+    missing, 3 for what ended early, 4 where the file system failed.
+    """
+    try:
+        return work()
+    except (InputError, ModuleNotFoundError) as error:
+        told, status = error, 2
+    except (Interrupted, SolverError) as error:
+        told, status = error, 3
+    except OSError as error:
+        told, status = error, 4
+    print(plain(str(told), lines=True), file=sys.stderr)
+    return status
+
+
+def refuse_results_file(output: Path, results: list[str]) -> None:
+    """InputError where a command would write over a file that it reads."""
+    if any(output.exists() and output.samefile(path) for path in results if Path(path).exists()):
+        raise InputError(f"{output}: is a results file: give another name by -o")

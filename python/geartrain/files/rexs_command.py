@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 
-from .._core.parser import Parser
-from ..errors import InputError, plain
+from .._core.parser import Parser, exit_status
 from .rexs import case_of_rexs
 
 __all__ = ["main"]
@@ -14,21 +14,19 @@ __all__ = ["main"]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit status: 0 printed; 2 bad arguments or a bad file; 4 the file cannot be read, or standard output not written."""
-    told = _parser().parse_args(arguments)
+    return exit_status(lambda: _print_case(_parser().parse_args(arguments)))
+
+
+def _print_case(told: Namespace) -> int:
     try:
         text = case_of_rexs(told.gearbox, load_case=told.load_case)
-    except InputError as error:
-        print(error, file=sys.stderr)
-        return 2
     except OSError as error:
-        print(plain(f"{told.gearbox}: cannot be read: {error.strerror or error}"), file=sys.stderr)
-        return 4
+        raise OSError(f"{told.gearbox}: cannot be read: {error.strerror or error}") from error
     try:
         sys.stdout.buffer.write(text.encode())
         sys.stdout.flush()
     except OSError as error:
-        print(f"standard output cannot be written: {error.strerror or error}", file=sys.stderr)
-        return 4
+        raise OSError(f"standard output cannot be written: {error.strerror or error}") from error
     return 0
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import sys
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._core.parser import Parser
+from .._core.parser import Parser, exit_status, refuse_results_file
 from ..case import read_results
-from ..errors import InputError, plain
+from ..errors import plain
 from .page import page
 
 __all__ = ["main"]
@@ -16,22 +17,16 @@ __all__ = ["main"]
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit status: 0 written; 2 bad arguments, or nothing to show; 4 a file cannot be read or written."""
-    told = _parser().parse_args(arguments)
+    return exit_status(lambda: _page(_parser().parse_args(arguments)))
+
+
+def _page(told: Namespace) -> int:
     output = Path(told.output) if told.output else Path(told.results).with_suffix(".html")
     paths = [told.results, *([told.compare] if told.compare else [])]
-    if any(output.exists() and output.samefile(path) for path in paths if Path(path).exists()):
-        print(plain(f"{output}: is a results file: name the page by -o"), file=sys.stderr)
-        return 2
-    try:
-        results = [read_results(path) for path in paths]
-        names = ("", "") if told.compare is None else _names(*paths)
-        made = page(results[0], output, compare=results[1] if told.compare else None, names=names)
-    except (InputError, ModuleNotFoundError) as error:
-        print(plain(str(error), lines=True), file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(plain(str(error), lines=True), file=sys.stderr)
-        return 4
+    refuse_results_file(output, paths)
+    results = [read_results(path) for path in paths]
+    names = ("", "") if told.compare is None else _names(*paths)
+    made = page(results[0], output, compare=results[1] if told.compare else None, names=names)
     print(plain(f"Written: {output}, {len(made.html.encode()) / 1e6:.2f} MB, for any browser"))
     if told.show:
         made.show()

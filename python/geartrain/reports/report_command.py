@@ -4,30 +4,28 @@ from __future__ import annotations
 
 import sys
 import warnings
+from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._core.parser import Parser
+from .._core.parser import Parser, exit_status, refuse_results_file
 from ..case import read_results
-from ..errors import DrawingWarning, InputError, plain
+from ..errors import DrawingWarning, plain
 
 __all__ = ["main"]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Exit status: 0 written; 2 bad arguments; 4 a file cannot be read or written."""
-    told = _parser().parse_args(arguments)
-    output = told.output or str(Path(told.results).with_suffix(".pdf"))
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DrawingWarning)  # the report has them
-            read_results(told.results).report(output)
-    except (InputError, ModuleNotFoundError) as error:
-        print(plain(str(error), lines=True), file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(plain(str(error), lines=True), file=sys.stderr)
-        return 4
+    return exit_status(lambda: _report(_parser().parse_args(arguments)))
+
+
+def _report(told: Namespace) -> int:
+    output = Path(told.output) if told.output else Path(told.results).with_suffix(".pdf")
+    refuse_results_file(output, [told.results])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DrawingWarning)  # the report has them
+        read_results(told.results).report(output)
     print(plain(f"Written: {output}"))
     return 0
 

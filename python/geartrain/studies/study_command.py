@@ -9,8 +9,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
-from .._core.parser import Parser
-from ..errors import Interrupted, SolverError, plain
+from .._core.parser import Parser, exit_status
+from ..errors import plain
 from .study import read_study, run_plan
 from .study_failures import failures_of, words_of
 from .study_store import Store
@@ -26,33 +26,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     told = _parser().parse_args(arguments)
     for number in (signal.SIGTERM, getattr(signal, "SIGXCPU", signal.SIGTERM)):
         signal.signal(number, _stop)  # so that what is done is written before a time limit of the cluster kills
-    try:
-        store = Store(told.folder)
-        plan = store.plan()
-        if told.status:
-            explanation = read_study(told.folder).explain()
-            print(plain(str(explanation), lines=True))
-            return 1 if explanation.failed else 0
-        number, parts = told.part
-        if parts == 1:
-            store.mend()
-        blocks = range(number - 1, plan.blocks, parts)
-        if told.retry:
-            print(f"{len(failures_of(plan, store, blocks))} points that failed are computed again", flush=True)
-        workers = told.workers or (1 if parts > 1 else 0)
-        there = run_plan(plan, store, blocks, workers=workers, retry=told.retry, patient=parts == 1)
-        failures = failures_of(plan, store, blocks)
-        if failures:
-            print(plain(words_of(plan, failures), lines=True))
-        failed = f", {there.failed} of them failed" if there.failed else ""
-        print(plain(f"{there.there} of {len(plan.distinct)} points are in {told.folder}{failed}"))
-        return 1 if failures else 0
-    except (Interrupted, SolverError) as error:
-        print(plain(str(error), lines=True), file=sys.stderr)
-        return 3
-    except OSError as error:
-        print(plain(str(error), lines=True), file=sys.stderr)
-        return 4
+    return exit_status(lambda: _tell(told.folder) if told.status else _compute(told))
+
+
+def _tell(folder: str) -> int:
+    explanation = read_study(folder).explain()
+    print(plain(str(explanation), lines=True))
+    return 1 if explanation.failed else 0
+
+
+def _compute(told: argparse.Namespace) -> int:
+    store = Store(told.folder)
+    plan = store.plan()
+    number, parts = told.part
+    if parts == 1:
+        store.mend()
+    blocks = range(number - 1, plan.blocks, parts)
+    if told.retry:
+        print(f"{len(failures_of(plan, store, blocks))} points that failed are computed again", flush=True)
+    workers = told.workers or (1 if parts > 1 else 0)
+    there = run_plan(plan, store, blocks, workers=workers, retry=told.retry, patient=parts == 1)
+    failures = failures_of(plan, store, blocks)
+    if failures:
+        print(plain(words_of(plan, failures), lines=True))
+    failed = f", {there.failed} of them failed" if there.failed else ""
+    print(plain(f"{there.there} of {len(plan.distinct)} points are in {told.folder}{failed}"))
+    return 1 if failures else 0
 
 
 def _parser() -> Parser:

@@ -239,11 +239,12 @@ contains
          if (.not. is_given(mesh%teeth)) return
          if (size(mesh%teeth) /= 2) return
          do gear = 1, 2
-            associate (error => mesh%gear_error(gear), teeth => nint(mesh%teeth(gear)))
+            ! Teeth out of range, which are told by themselves, may have no place in an integer.
+            associate (error => mesh%gear_error(gear), teeth => mesh%teeth(gear))
                if (.not. is_given(error%pitch)) cycle
-               if (size(error%pitch) == teeth) cycle
+               if (abs(size(error%pitch) - teeth) < 0.5_dp) cycle
                call checker%complain(trim(gear_words(gear))//'_pitch_error', integer_text(size(error%pitch))//' values', &
-                                     'must have a value for each of the '//integer_text(teeth)//' teeth')
+                                     'must have a value for each of the '//text(teeth)//' teeth')
             end associate
          end do
       end subroutine check_errors

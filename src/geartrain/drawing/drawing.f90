@@ -140,7 +140,7 @@ contains
       if (allocated(derived%teeth)) then
          if (size(derived%teeth) == 2) then
             do h = 1, 2
-               call make_plain(derived%gear_error(h), max(1, nint(derived%teeth(h))), derived%phase, mean)
+               call make_plain(derived%gear_error(h), max(1.0_dp, derived%teeth(h)), derived%phase, mean)
                derived%error_mean = derived%error_mean + mean
             end do
          end if

@@ -1,5 +1,6 @@
 !> What a planetary set is in numbers: speeds, mesh frequency, phases of its meshes, and what the phases do with each harmonic.
 module geartrain_report_explain_planetary
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use geartrain_base_carry, only: carry, carry_text
    use geartrain_base_field, only: field_type
    use geartrain_base_fields, only: fields_type
@@ -141,7 +142,7 @@ contains
          call system%sharing%find_shares(force, abs(force), share, peak)
       end associate
       own = pack(share, system%sharing%set == number)
-      if (.not. all(abs(own) < huge(1.0_dp))) return
+      if (.not. all(ieee_is_finite(own))) return
       call carry(fields, field_type('load_share', 'planet', '1', 'static: force of each planet with the sun (ring, without a sun) &
                                     &over their sum, by placement errors and unequal stiffnesses'), own)
       factor = mesh_load_factor(own)

@@ -85,8 +85,8 @@ contains
    pure subroutine make_plain(error, teeth, phase, mean)
       !> Errors of a gear as given; gets amplitudes alone.
       type(gear_error_type), intent(inout) :: error
-      !> Number of teeth of the gear.
-      integer, intent(in) :: teeth
+      !> Number of teeth of the gear, which may still be out of range.
+      real(dp), intent(in) :: teeth
       !> Lag of the mesh [rad of the mesh cycle].
       real(dp), intent(in) :: phase
       !> Mean of the pitch errors [m].
