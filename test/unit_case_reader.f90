@@ -256,11 +256,12 @@ contains
    !> Threads that read bad cases at once get the messages that each gets alone, whatever their lengths.
    subroutine threads(tests)
       class(tests_type), intent(inout) :: tests
-      integer :: i, different
+      integer :: i, different, repetitions
 
       different = 0
+      repetitions = tests%times(12000)
       !$omp parallel do num_threads(8) schedule(static, 1) reduction(+:different)
-      do i = 1, 12000
+      do i = 1, repetitions
          if (.not. is_told(i)) different = different + 1
       end do
       !$omp end parallel do

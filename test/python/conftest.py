@@ -142,8 +142,8 @@ def seed(request):
 
 @pytest.fixture(scope="session")
 def times(request):
-    """How often a test whose cost is repetition repeats what it does, of so many times by night."""
-    return lambda count: count if request.config.getoption("--all-repetitions") else -(-count // 10)
+    """How often a test whose cost is repetition repeats what it does, of so many times by night: by day a share of them."""
+    return lambda count, share=10: count if request.config.getoption("--all-repetitions") else -(-count // share)
 
 
 @pytest.fixture(scope="session")

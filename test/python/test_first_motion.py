@@ -38,7 +38,7 @@ def loaded_train(seed):
 
 
 # Of seed 0 and 3 the search ended without a motion after a quarter of a minute.
-@pytest.mark.parametrize("seed", [3, pytest.param(0, marks=pytest.mark.full), pytest.param(5, marks=pytest.mark.full)])
+@pytest.mark.parametrize("seed", [3, pytest.param(0, marks=pytest.mark.full), pytest.param(5, marks=pytest.mark.nightly)])
 def test_a_response_begins(seed):
     train, frequency = loaded_train(seed)
     branch = train.response(start=frequency, stop=frequency + 0.01, harmonics=6, stability=False, max_points=3)

@@ -64,7 +64,7 @@ def test_teeth_that_separate(damping):
 
 
 @pytest.mark.full
-@pytest.mark.parametrize(("variation", "start", "stop"), [(0.3, 1.6, 2.1), (0.5, 1.0, 1.3)])
+@pytest.mark.parametrize(("variation", "start", "stop"), [(0.3, 1.6, 2.1), pytest.param(0.5, 1.0, 1.3, marks=pytest.mark.nightly)])
 def test_slow_beats(variation, start, stop):
     """Two meshes drift past one another in 703 cycles; the train is stable in one part of the beat and unstable in another."""
     orders = (2807, 2811)

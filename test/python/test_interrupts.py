@@ -67,7 +67,7 @@ HUGE = "points=10000, parameter_points=10000"
     pytest.param(30, "response(start=1.5, stop=4.0, period_doublings=2)", (2.0, 4.0), marks=pytest.mark.nightly),
     pytest.param(700, "modes()", (0.3, 2.0), marks=pytest.mark.nightly),
     (30, "integrate(0.9, max_periods=1).trajectory(1000000, samples=1)", (2.0,)),
-    (700, "natural_frequencies()", (2.0,)),
+    pytest.param(700, "natural_frequencies()", (2.0,), marks=pytest.mark.nightly),
 ])
 def test_within_a_second(meshes, call, waits):
     for wait in waits:
@@ -92,7 +92,7 @@ except KeyboardInterrupt:
 """
 
 
-@pytest.mark.parametrize("wait", [1.0, 2.5, 4.0])
+@pytest.mark.parametrize("wait", [1.0, *(pytest.param(wait, marks=pytest.mark.nightly) for wait in (2.5, 4.0))])
 def test_a_page_of_a_large_branch(tmp_path, wait):
     """Compressing 100 MB takes seconds."""
     code = PAGE.format(case=str(write_case(tmp_path, "&modes /\n")), wait=wait)

@@ -80,7 +80,7 @@ MISPLACED = {
 
 @pytest.mark.parametrize("name", [
     "one apart at rest", *(pytest.param(name, marks=pytest.mark.full) for name in MISPLACED if name != "one apart at rest")])
-@pytest.mark.parametrize("place", [1.5, *(pytest.param(place, marks=pytest.mark.full) for place in (0.9, 2.1))])
+@pytest.mark.parametrize("place", [1.5, *(pytest.param(place, marks=pytest.mark.nightly) for place in (0.9, 2.1))])
 def test_motions_of_misplaced_planets(name, place):
     """Mean, AC, extremes, multipliers, and the load shares, against equations of the tests' own."""
     branch = MISPLACED[name]().response(start=place, stop=1.01 * place, harmonics=12)
@@ -136,7 +136,7 @@ def test_settling_of_misplaced_planets():
     close(settled.load_share, motion.load_share, 1e-7, "load share", 1.0)
 
 
-@pytest.mark.full
+@pytest.mark.nightly
 def test_run_up_of_misplaced_planets():
     train, duration, start, stop = misplaced((0.0, 1.5e-6, -1e-6), drag=-0.5), 0.01, 0.6, 0.7
     found = train.run_up(start=start, stop=stop, duration=duration)

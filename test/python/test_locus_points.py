@@ -96,6 +96,7 @@ def test_neimark_sacker_and_one_to_four_resonance():
     assert distance(found.multipliers, 1j)[0] < 1e-8
 
 
+@pytest.mark.nightly
 def test_one_to_three_resonance():
     def neimark_sacker(train, frequency):
         response = train.response(start=0.2, stop=2.6, harmonics=12, period_doublings=2)
@@ -110,6 +111,7 @@ def test_one_to_three_resonance():
     assert np.sort(np.angle(found.critical)) == pytest.approx([-2 * np.pi / 3, 2 * np.pi / 3], abs=1e-7)
 
 
+@pytest.mark.nightly
 def test_one_to_two_resonance():
     numbers = ((0.00165, 0.028, 386e6, 0.0284, 34.5e-6, 0.343), (0.00149, 0.02, 183e6, 0.0622, 32.7e-6, 0.154),
                (0.00209, 0.0468, 225e6, 0.0601, 57.4e-6, 0.322))
@@ -182,6 +184,7 @@ def test_a_fold_goes_on_beyond_grazings():
         assert again.frequency[[0, -1]].max() == pytest.approx(locus.frequency[[0, -1]].max(), abs=1e-9)
 
 
+@pytest.mark.nightly
 def test_a_fold_of_period_2_ends_where_its_motions_become_those_of_period_1():
     """At the generalized doubling of the period doubling's own curve; beyond are the same motions half a period later."""
     response = paper_case("fig07_042").train.response(
@@ -205,6 +208,7 @@ def test_a_fold_of_period_2_ends_where_its_motions_become_those_of_period_1():
     assert change_after_half(last) < 0.1 * change_after_half(len(locus) // 2)
 
 
+@pytest.mark.nightly
 def test_a_curve_of_branch_points_goes_on_where_newton_goes_astray():
     """In a long step to what is no orbit: of stages that are mirror images neither torque nor shaft breaks the symmetry.
 

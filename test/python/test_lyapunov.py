@@ -102,6 +102,7 @@ def test_the_rotation_number_is_the_line_of_the_sections():
         assert found.rotation_number == pytest.approx(rate, abs=1e-8)
 
 
+@pytest.mark.nightly
 def test_neighbouring_flights_part_at_the_largest_exponent():
     """Two flights, without tangents, brought back to a distance of 1e-7 every four periods."""
     train = soft_train()

@@ -24,6 +24,7 @@ def test_figure_3_where_two_motions_of_period_2_coexist():
     assert str(found).endswith("the sums of the indices are as expected")
 
 
+@pytest.mark.nightly
 def test_a_parametric_resonance_turns_the_sum():
     """At 1.92 the train without backlash has a multiplier below -1: of period 2 the sum is -1."""
     train = paper_train()
@@ -34,6 +35,7 @@ def test_a_parametric_resonance_turns_the_sum():
     assert [(motion.period, motion.stable) for motion in found] == [(2, True), (1, False), (2, False)]
 
 
+@pytest.mark.nightly
 def test_the_branch_of_every_motion_is_followed():
     """One of four unstable motions of period 4 on a branch that the response does not lead to: its folds lead to the others.
 

@@ -170,6 +170,7 @@ def test_the_client_killed_and_run_again(cluster, whole, tmp_path):
     assert study().dataset(folder).identical(whole) and len(computed(folder)) == len(set(computed(folder))) == POINTS
 
 
+@pytest.mark.nightly
 def test_a_client_that_cannot_write_the_folder_is_told(cluster, tmp_path):
     folder = begun(tmp_path / "runs")
     process = client(cluster, folder)

@@ -26,7 +26,8 @@ def test_published_indices_of_ishigamis_function(method):
     np.testing.assert_allclose(total[0], sensitivity.ISHIGAMI_TOTAL, atol=0.05)
 
 
-@pytest.mark.parametrize("method", sensitivity.METHODS)
+@pytest.mark.parametrize("method", [
+    pytest.param(method, marks=pytest.mark.nightly if method == "OpenTURNS" else ()) for method in sensitivity.METHODS])
 def test_a_study_is_a_function_like_ishigamis(method, tmp_path):
     """The natural frequency of a gear pair is sqrt(k/m): for small variations half the relative change of k."""
     ranges = {"mesh 1 stiffness": (0.95, 1.05), "input_torque": (0.3, 0.5)}

@@ -26,6 +26,7 @@ def exit_status(work: Callable[[], int]) -> int:
     `work`'s own status; or that of its error, which is told on standard error: 2 for bad arguments, a bad file or a package that is
     missing, 3 for what ended early, 4 where the file system failed.
     """
+    told: BaseException
     try:
         return work()
     except (InputError, ModuleNotFoundError) as error:

@@ -9,7 +9,7 @@ module geartrain_base_numbers
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: counted, fixed, integer_text, ordinal, real_text, significant, text
+   public :: counted, fixed, integer_text, ordinal, real_text, significant, text, whole
 
    !> A number in a message: an integer, or a real to six digits.
    interface text
@@ -22,6 +22,16 @@ module geartrain_base_numbers
    integer, parameter :: longest = 40
 
 contains
+
+   !> Nearest integer to a number of a case that may not have been checked; the largest where there is none.
+   pure elemental integer function whole(value)
+      !> Any number, also none.
+      real(dp), intent(in) :: value
+
+      whole = huge(1)
+      if (.not. ieee_is_finite(value)) return
+      if (abs(value) < huge(1)) whole = nint(value)
+   end function whole
 
    ! Each function with blanks at the end stands before the function whose length it gives, as gfortran requires.
 

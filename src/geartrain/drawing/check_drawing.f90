@@ -2,7 +2,7 @@
 module geartrain_drawing_check_drawing
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: integer_text, ordinal, real_text, text
+   use geartrain_base_numbers, only: integer_text, ordinal, real_text, text, whole
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, pair_of
    use geartrain_drawing_gear_pair, only: find_geometry, pair_geometry_type
    use geartrain_train_body, only: body_type, has_table_of_torque, pulses
@@ -117,7 +117,7 @@ contains
          if (is_given(mesh%teeth) .and. mesh%internal) then
             if (size(mesh%teeth) == 2) then
                if (abs(mesh%teeth(1) - mesh%teeth(2)) <= 0) &
-                  call checker%complain('teeth', integer_text(nint(mesh%teeth(1)))//' twice', 'must differ in an internal pair')
+                  call checker%complain('teeth', integer_text(whole(mesh%teeth(1)))//' twice', 'must differ in an internal pair')
             end if
          end if
          return
@@ -127,7 +127,7 @@ contains
          do i = 1, 2
             if (mesh%bore(i) < geometry%reference_diameter(i)) cycle
             call checker%complain('bore', real_text(mesh%bore(i)), 'must be < '//text(geometry%reference_diameter(i))// &
-                                  ' m, the reference diameter of the gear of '//integer_text(nint(mesh%teeth(i)))// &
+                                  ' m, the reference diameter of the gear of '//integer_text(whole(mesh%teeth(i)))// &
                                   ' teeth; the unit is the metre (28 mm are 0.028)', i)
          end do
       end if
@@ -139,10 +139,10 @@ contains
          do i = 1, 2
             if (g%tip_diameter(i) <= 2*g%base_radius(i)) then
                call checker%complain('tip_diameter', text(g%tip_diameter(i)), 'must be > '//text(2*g%base_radius(i))// &
-                                     ' m, the base circle of the gear of '//integer_text(nint(mesh%teeth(i)))//' teeth')
+                                     ' m, the base circle of the gear of '//integer_text(whole(mesh%teeth(i)))//' teeth')
             else if (g%tip_thickness(i) <= 0) then
                call checker%complain('tip_diameter', text(g%tip_diameter(i)), 'must be smaller: the flanks of the gear of '// &
-                                     integer_text(nint(mesh%teeth(i)))//' teeth meet below it')
+                                     integer_text(whole(mesh%teeth(i)))//' teeth meet below it')
             end if
          end do
          if (.not. g%working_angle > 0 .and. .not. abs(mesh%centre_distance) > 0) then
@@ -169,7 +169,7 @@ contains
                mesh%half_backlash > 0)*pitch)//' m: it leaves nothing of the teeth, whose pitch at the working pitch circle is '// &
                text(pitch)//' m; the unit is the metre (60 um is 60e-6)')
          else if (.not. g%contact_ratio > 1 .and. .not. mesh%contact_ratio > 0) then
-            call checker%complain('teeth', integer_text(nint(mesh%teeth(1)))//', '//integer_text(nint(mesh%teeth(2))), &
+            call checker%complain('teeth', integer_text(whole(mesh%teeth(1)))//', '//integer_text(whole(mesh%teeth(2))), &
                                   'must give a transverse contact ratio > 1: it is '//text(g%contact_ratio)// &
                                   ' with tip diameters '//text(g%tip_diameter(1))//' and '//text(g%tip_diameter(2))//' m')
          end if
@@ -221,8 +221,8 @@ contains
          if (abs(radius(1)/radius(2)*(mesh%teeth(2)/mesh%teeth(1)) - 1) <= rounding) return
          if (abs(mesh%driving_radius) > 0 .and. abs(mesh%driven_radius) > 0) then
             call checker%complain('driving_radius', real_text(radius(1)), 'contradicts teeth: with driven_radius = '// &
-                                  text(radius(2))//' m the ratio must be '//integer_text(nint(mesh%teeth(1)))//'/'// &
-                                  integer_text(nint(mesh%teeth(2))))
+                                  text(radius(2))//' m the ratio must be '//integer_text(whole(mesh%teeth(1)))//'/'// &
+                                  integer_text(whole(mesh%teeth(2))))
          else if (abs(mesh%driving_radius) > 0) then
             call checker%complain('driving_radius', real_text(radius(1)), 'contradicts teeth and normal_module, by which it is '// &
                                   text(geometry%base_radius(1))//' m: leave it out')
@@ -326,8 +326,8 @@ contains
             call checker%complain('order', integer_text(train%meshes(i)%order), 'contradicts the teeth, by which it is '// &
                                   integer_text(found%order(i)))
          else if (found%order(i) > most_order) then
-            call checker%complain('teeth', integer_text(nint(train%meshes(i)%teeth(1)))//', '// &
-                                  integer_text(nint(train%meshes(i)%teeth(2))), 'make the mesh frequency the '// &
+            call checker%complain('teeth', integer_text(whole(train%meshes(i)%teeth(1)))//', '// &
+                                  integer_text(whole(train%meshes(i)%teeth(2))), 'make the mesh frequency the '// &
                                   ordinal(found%order(i))//' multiple of the fundamental, at most '// &
                                   integer_text(most_order)//' is allowed')
          end if

@@ -3,7 +3,7 @@ module geartrain_drawing_check_planetary
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_nearest, only: nearest_name
-   use geartrain_base_numbers, only: integer_text, real_text, text
+   use geartrain_base_numbers, only: integer_text, real_text, text, whole
    use geartrain_base_sorting, only: ascending
    use geartrain_drawing_gear_pair, only: involute
    use geartrain_drawing_planetary_meshes, only: planet_name, set_type
@@ -141,14 +141,14 @@ contains
       else if (size(set%teeth) == 3) then
          do i = 1, 3
             if (has(i) .and. set%teeth(i) < 3) then
-               call checker%complain('teeth', integer_text(nint(set%teeth(i))), 'must be >= 3 of the '//trim(member(i)), i)
+               call checker%complain('teeth', integer_text(whole(set%teeth(i))), 'must be >= 3 of the '//trim(member(i)), i)
             else if (.not. has(i) .and. set%teeth(i) > 0) then
-               call checker%complain('teeth', integer_text(nint(set%teeth(i))), 'is of a '//trim(member(i))//', whose body is not &
+               call checker%complain('teeth', integer_text(whole(set%teeth(i))), 'is of a '//trim(member(i))//', whose body is not &
                                      &named: give `'//trim(member(i))//'`, or 0 teeth', i)
             end if
          end do
          if (has(3) .and. set%teeth(3) <= set%teeth(2)) &
-            call checker%complain('teeth', integer_text(nint(set%teeth(3))), 'must be > '//integer_text(nint(set%teeth(2)))// &
+            call checker%complain('teeth', integer_text(whole(set%teeth(3))), 'must be > '//integer_text(whole(set%teeth(2)))// &
                                   ', the teeth of a planet: the ring is smaller than its planets', 3)
       end if
       if (is_given(set%angles) .and. set%planets > 0) then
@@ -224,7 +224,7 @@ contains
          words = 'do not fit on one axis: without backlash the centre distance is '//text(one%tight_distance)//' m of sun and &
                  &planet, '//text(two%tight_distance)//' m of planet and ring'
          if (z(3) > z(2) .and. abs(z(3) - z(1) - 2*z(2)) > 0 .and. .not. is_given(set%profile_shift)) &
-            words = words//'; a ring of '//integer_text(nint(z(1) + 2*z(2)))//' teeth would fit'
+            words = words//'; a ring of '//integer_text(whole(z(1) + 2*z(2)))//' teeth would fit'
          shift = 0
          if (is_given(set%profile_shift)) shift = set%profile_shift
          cosine = two%reference_distance*cos(two%transverse_angle)/one%tight_distance
@@ -234,8 +234,8 @@ contains
                                                             text(shift(2))//', '//text(sum_2 - shift(2))//' would fit'
          end if
          if (one%tight_distance < two%tight_distance) words = words//'; a centre_distance in between makes backlash'
-         call checker%complain('teeth', integer_text(nint(z(1)))//', '//integer_text(nint(z(2)))//', '//integer_text(nint(z(3))), &
-                               words)
+         call checker%complain('teeth', integer_text(whole(z(1)))//', '//integer_text(whole(z(2)))//', '// &
+                              integer_text(whole(z(3))), words)
       end associate
    end subroutine check_axes
 
@@ -249,7 +249,7 @@ contains
       integer :: sum_z, n
 
       if (.not. all(numbers%drawn)) return
-      sum_z = nint(set%teeth(1) + set%teeth(3))
+      sum_z = whole(set%teeth(1) + set%teeth(3))
       if (is_given(set%angles)) then
          do n = 2, numbers%planets
             steps = numbers%turn(n)*sum_z

@@ -5,6 +5,7 @@
 !> train as given.
 module geartrain_drawing_drawing
    use geartrain_base_kinds, only: dp, pi
+   use geartrain_base_numbers, only: whole
    use geartrain_base_variable, only: largest, smallest
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, gear_pair_type, light_load, pair_geometry_type, &
       pair_stiffness_type, rectangular_wave
@@ -89,7 +90,7 @@ contains
             do i = 1, size(train%meshes)
                if (.not. train%meshes(i)%is_pair()) cycle
                do gear = 1, 2
-                  plain%meshes(i)%gear_error(gear)%order = max(1, found%order(i)/nint(train%meshes(i)%teeth(gear)))
+                  plain%meshes(i)%gear_error(gear)%order = max(1, found%order(i)/whole(train%meshes(i)%teeth(gear)))
                end do
             end do
             if (allocated(plain%bodies)) plain%bodies%revolution_order = max(1, found%revolution_order)
@@ -155,7 +156,7 @@ contains
       !> A mesh that `has_geometry`.
       type(mesh_type), intent(in) :: mesh
 
-      pair%teeth = nint(mesh%teeth)
+      pair%teeth = whole(mesh%teeth)
       pair%internal = mesh%internal
       pair%normal_module = mesh%normal_module
       pair%face_width = mesh%face_width
@@ -185,7 +186,7 @@ contains
          mesh%dedendum >= 1 .and. mesh%dedendum <= 2 .and. within(mesh%profile_shift, -2.0_dp, 2.0_dp) .and. &
          within(mesh%tip_diameter, 0.0_dp, largest) .and. within(mesh%bore, 0.0_dp, largest) .and. &
          within(mesh%elastic_modulus, smallest, largest)
-      if (has_geometry .and. mesh%internal) has_geometry = nint(mesh%teeth(1)) /= nint(mesh%teeth(2))
+      if (has_geometry .and. mesh%internal) has_geometry = whole(mesh%teeth(1)) /= whole(mesh%teeth(2))
 
    contains
 
@@ -350,7 +351,7 @@ contains
             if (mesh_ends(k, i) /= body .or. is_ring(train%meshes(i), k)) cycle
             gear = gears(k)
             associate (disc => [gear%diameter, gear%bore, gear%width, gear%density])
-               if (any([(all(abs(list(:, h) - disc) <= 1e-9_dp*abs(disc)) .and. nint(teeth(h)) == nint(gear%teeth), &
+               if (any([(all(abs(list(:, h) - disc) <= 1e-9_dp*abs(disc)) .and. whole(teeth(h)) == whole(gear%teeth), &
                          h=1, n)])) cycle
                n = n + 1
                list(:, n) = disc

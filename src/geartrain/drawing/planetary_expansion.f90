@@ -4,7 +4,7 @@ module geartrain_drawing_planetary_expansion
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: integer_text
+   use geartrain_base_numbers, only: integer_text, whole
    use geartrain_drawing_check_planetary, only: check_set
    use geartrain_drawing_planetary_meshes, only: planet_name, ring_lag, ring_meshes, set_type, sun_meshes
    use geartrain_train_body, only: body_type
@@ -159,7 +159,7 @@ contains
             mesh = numbers%mesh(kind)
             mesh%name = set%name//trim(merge(' sun  ', ' ring ', kind == sun_meshes))//' '//integer_text(n)
             where (mesh%between == planet_name(set, 1)) mesh%between = planet_name(set, n)
-            lag = numbers%lag(kind, n, nint(set%teeth(2*kind - 1)))
+            lag = numbers%lag(kind, n, whole(set%teeth(2*kind - 1)))
             if (kind == ring_meshes .and. numbers%has(sun_meshes)) then
                if (set%ring_phase_given) lag = lag + set%ring_phase/(2*pi)
                if (.not. set%ring_phase_given) lag = lag + ring_lag(set, numbers)

@@ -6,7 +6,7 @@
 module geartrain_drawing_planetary_meshes
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: integer_text
+   use geartrain_base_numbers, only: integer_text, whole
    use geartrain_drawing_drawing, only: has_geometry, pair_of
    use geartrain_drawing_gear_pair, only: find_geometry, involute, pair_geometry_type
    use geartrain_train_body, only: name_length
@@ -90,7 +90,7 @@ contains
          self%planets = size(set%angles)
          self%turn = (set%angles - set%angles(1))/360
          if (all(self%drawn) .and. all(abs(self%turn) < 1000)) then
-            self%whole = nint(set%teeth(1) + set%teeth(3))
+            self%whole = whole(set%teeth(1) + set%teeth(3))
             self%step = nint(self%turn*self%whole)
          end if
       else

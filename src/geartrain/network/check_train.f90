@@ -85,6 +85,11 @@ contains
             return
          end if
       end if
+      do i = 1, shafts
+         call checker%enter('shaft', i)
+         call check_shaft(train%shafts(i), checker%drawing_is_wrong('shaft', i), checker)
+         call checker%leave()
+      end do
       if (allocated(train%bodies)) then
          if (allocated(train%shafts) .and. allocated(train%meshes)) call check_network(plain, checker)
       else if (shafts < 2 .or. meshes /= shafts - 1) then
@@ -92,11 +97,6 @@ contains
                                    ' &mesh: a train is shaft, mesh, shaft, ..., shaft, at least 2 shafts and one mesh less &
                                    &than shafts', 'train', 1, names_group=.true.)
       end if
-      do i = 1, shafts
-         call checker%enter('shaft', i)
-         call check_shaft(train%shafts(i), checker%drawing_is_wrong('shaft', i), checker)
-         call checker%leave()
-      end do
       if (.not. allocated(train%bodies)) then
          call check_names()
          call check_inertias()
