@@ -191,6 +191,12 @@ def drawn():
 
 
 @pytest.fixture(scope="session")
+def drawn_branch(drawn):
+    """A few of its motions, with jumps."""
+    return drawn.response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
+
+
+@pytest.fixture(scope="session")
 def split():
     """A train with branches."""
     return gt.read_case(ROOT / "namelists" / "branched.nml").train

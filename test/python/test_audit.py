@@ -84,13 +84,12 @@ def test_the_call(branch):
     assert str(branch.audit(points=12, random_seed=3)) == str(found)
 
 
-def test_speeds_of_an_audit(branch):
+def test_speeds_of_an_audit(branch, drawn_branch):
     """In rpm where the speed is known, in Hz always; the table is in the unit of the branch."""
     found = branch.audit(points=2)
     assert found.unit == "Lambda" and found.speed is None and found.exact_speed is None
     np.testing.assert_allclose(found.fundamental_frequency, found.frequency * 9870 / (2 * np.pi))
-    drawn = reducer().response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
-    found = drawn.audit(points=2)
+    found = drawn_branch.audit(points=2)
     assert found.unit == "rpm" == str(found).split()[0] and found.ok
     np.testing.assert_allclose(found.speed, found.frequency)
     np.testing.assert_allclose(found.exact_speed, found.exact_frequency)

@@ -184,6 +184,7 @@ def cases(full):
         yield from ((truck(), speed, 100) for speed in (1000.0, 1400.0, 1800.0))
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("full", [False, pytest.param(True, marks=pytest.mark.nightly)])
 def test_the_uncertainty_covers_a_longer_window(full):
     """Of all figures, all meshes and shafts, 95 of 100 differ by less in a window ten times as long."""

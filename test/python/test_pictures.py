@@ -116,8 +116,8 @@ def test_unequal_shafts_have_panels(branch):
     assert len(branch.plot(quantity="mesh_force").figure.axes) == 1
 
 
-def test_a_train_with_a_drawing_opens_on_its_mesh_force(drawn):
-    branch = drawn.response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
+def test_a_train_with_a_drawing_opens_on_its_mesh_force(drawn_branch):
+    branch = drawn_branch
     ax = branch.plot()
     assert ax.get_ylabel() == "largest mesh force  [N]" and ax.get_xlabel() == "speed of motor  [rpm]"
     assert max(line.get_ydata().max() for line in ax.lines) == pytest.approx(branch.mesh_force_maximum.max(), rel=1e-6)
@@ -221,16 +221,15 @@ def test_the_largest_at_an_end_of_the_range_is_no_peak_but_told(train):
     assert pickle.loads(pickle.dumps(peaks)) == peaks and str(pickle.loads(pickle.dumps(peaks))) == str(peaks)
 
 
-def test_jumps_and_special_points_are_tables(branch, drawn):
+def test_jumps_and_special_points_are_tables(branch, drawn_branch):
     heading, *rows = str(branch.jumps).splitlines()
     assert len(rows) == len(branch.jumps) and "jump down" in rows[0] and heading.split()[:3] == ["sweep", "fundamental", "[Hz]"]
     heading, *rows = str(branch.special_points).splitlines()
     assert len(rows) == len(branch.special_points) and rows[0].split()[0] == branch.special_points[0].kind == "fold"
     assert isinstance(branch.jumps, list) and isinstance(branch.special_points, list)
-    fast = drawn.response(start=1660, stop=1680, unit="rpm", harmonics=0, tolerance=1e-3)
-    told = str(fast.jumps)
+    told = str(drawn_branch.jumps)
     assert "speed [rpm]" in told and "rms of the paper [um] before" in told and "Lambda" not in told
-    assert "rms of the paper [um]" in str(fast.special_points) and "rms of the paper [um]" in str(fast.peaks())
+    assert "rms of the paper [um]" in str(drawn_branch.special_points) and "rms of the paper [um]" in str(drawn_branch.peaks())
 
 
 def test_a_stability_map_in_hertz(train):
