@@ -10,8 +10,8 @@ module geartrain_linalg_trigonometric
 
    !> Distance of neighbouring harmonics beyond which a power of exp(i theta) takes longer than cosine and sine.
    integer, parameter :: far_apart = 32
-   !> Powers of exp(i theta) in a table.
-   integer, parameter :: span = 64
+   !> Powers of exp(i theta) in a table; least number of harmonics, most of them far apart, that are worth the tables.
+   integer, parameter :: span = 64, several = 24
    !> Error of a height by `find_vertex` beside what it tells itself, over the range of the samples: 0.0005 for a sine of eight
    !> samples a period.
    real(dp), parameter :: near = 0.004_dp
@@ -80,21 +80,24 @@ contains
       !> Third derivative with respect to theta.
       real(dp), intent(out), optional :: third
       complex(dp) :: z, power, advance, term
-      integer :: k, step
+      integer :: k, n, step
 
+      n = size(harmonic)
       if (present(third)) third = 0
       p = u(1)
       slope = 0
       curvature = 0
-      if (size(harmonic) > span) then
-         call evaluate_many(u, harmonic, theta, p, slope, curvature, third)
-         return
+      if (n > several) then
+         if (n > span .or. harmonic(n) > far_apart*n) then
+            call evaluate_many(u, harmonic, theta, p, slope, curvature, third)
+            return
+         end if
       end if
       z = cmplx(cos(theta), sin(theta), dp)
       power = 1
       step = 0
       advance = 1
-      do k = 1, size(harmonic)
+      do k = 1, n
          if (k == 1) then
             step = harmonic(1)
             advance = z**step
@@ -115,35 +118,46 @@ contains
       end do
    end subroutine evaluate
 
-   !> `evaluate` of many harmonics: the power of each is a product of two from tables, so none waits for the power before.
+   !> `evaluate` of many harmonics: the power of each is a product from tables, so none waits for the power before.
    pure subroutine evaluate_many(u, harmonic, theta, p, slope, curvature, third)
       real(dp), intent(in) :: u(:), theta
       integer, intent(in) :: harmonic(:)
       real(dp), intent(inout) :: p, slope, curvature
       real(dp), intent(inout), optional :: third
-      complex(dp) :: z, term, low(0:span - 1), high(0:harmonic(size(harmonic))/span)
+      complex(dp) :: power, term, low(0:span - 1), middle(0:min(span - 1, harmonic(size(harmonic))/span)), &
+                     high(0:harmonic(size(harmonic))/span**2)
       real(dp) :: h
       integer :: k
 
-      z = cmplx(cos(theta), sin(theta), dp)
-      low(0) = 1
-      do k = 1, span - 1
-         low(k) = low(k - 1)*z
-      end do
-      z = low(span - 1)*z
-      high(0) = 1
-      do k = 1, ubound(high, 1)
-         high(k) = high(k - 1)*z
-      end do
+      call list_powers(theta, low)
+      call list_powers(span*theta, middle)
+      call list_powers(real(span, dp)**2*theta, high)
       do k = 1, size(harmonic)
          h = harmonic(k)
-         term = cmplx(u(2*k), -u(2*k + 1), dp)*(high(harmonic(k)/span)*low(modulo(harmonic(k), span)))
+         power = low(modulo(harmonic(k), span))*middle(modulo(harmonic(k)/span, span))
+         if (harmonic(k) >= span**2) power = high(harmonic(k)/span**2)*power
+         term = cmplx(u(2*k), -u(2*k + 1), dp)*power
          p = p + term%re
          slope = slope - h*term%im
          curvature = curvature - h**2*term%re
          if (present(third)) third = third + h**3*term%im
       end do
    end subroutine evaluate_many
+
+   !> Powers 0, 1, 2, ... of exp(i angle).
+   pure subroutine list_powers(angle, power)
+      real(dp), intent(in) :: angle
+      complex(dp), intent(out) :: power(0:)
+      complex(dp) :: z
+      integer :: k
+
+      power(0) = 1
+      if (ubound(power, 1) == 0) return
+      z = cmplx(cos(angle), sin(angle), dp)
+      do k = 1, ubound(power, 1)
+         power(k) = power(k - 1)*z
+      end do
+   end subroutine list_powers
 
    !> Values of p at theta = 2 pi (q-1)/samples, however few.
    subroutine sample(u, harmonic, transform, derivative)
@@ -223,20 +237,25 @@ contains
          !> Error of the heights.
          real(dp), intent(in) :: slack
          real(dp), intent(inout) :: extreme
-         real(dp) :: height(turns), place(turns), doubt, greatest, theta, p, slope, curvature, correction, spacing
-         integer :: i, k
+         real(dp) :: height(turns), place(turns), doubt, highest, theta, p, slope, curvature, correction, spacing
+         integer :: first, i, k, n
 
          spacing = 2*pi/transform%samples
-         greatest = -huge(greatest)
+         highest = -huge(highest)
+         first = 0
          do k = 1, turns
             if (side*turn(k) < 0) cycle
             call find_vertex(transform%sample, side, abs(turn(k)), place(k), height(k), doubt)
-            greatest = max(greatest, height(k) - doubt)
+            if (height(k) > highest) first = k
+            highest = max(highest, height(k))
             height(k) = height(k) + doubt
          end do
-         do k = 1, turns
-            if (side*turn(k) < 0) cycle
-            if (height(k) < greatest - slack) cycle
+         ! The highest first: of the others most are found lower at the first look.
+         do n = 0, turns
+            k = merge(first, n, n == 0)
+            if (k == 0) exit
+            if (side*turn(k) < 0 .or. n == first) cycle
+            if (n > 0 .and. height(k) < side*extreme - slack) cycle
             theta = place(k)
             do i = 1, 6
                call evaluate(u, harmonic, theta, p, slope, curvature)
@@ -245,6 +264,8 @@ contains
                if (side*curvature >= 0) exit
                correction = -slope/curvature
                if (abs(correction) < 1e-9_dp) exit
+               ! The way up is a parabola, of half this height.
+               if (side*p + abs(slope*correction) < side*extreme) exit
                theta = theta + max(-spacing, min(spacing, correction))
             end do
          end do
