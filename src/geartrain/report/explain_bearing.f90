@@ -44,6 +44,10 @@ contains
       end associate
       list = system%static_force(system%mesh_element(i:i + 1))*system%load_unit(i:i + 1)
       call carry(fields, field_type('mean_force', 'axis', 'N', 'x and y, static, from the mesh forces'), list)
+      if (.not. value > 0 .or. .not. norm2(list) > 0) return
+      value = value*sum(abs(list))/norm2(list)
+      call carry(fields, field_type('loaded_clearance', '', 'm', 'play in the direction of the mean force: the flats of the &
+         &directions x and y are a square. The play of a circle is half_clearance in every direction'), value)
    end subroutine explain_bearing
 
    !> Adds the line of action of a mesh of which a body is on a bearing.
