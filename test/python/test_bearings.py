@@ -211,6 +211,19 @@ def test_turned_plane(angle):
     assert other.bearing_force_mean == pytest.approx(one.bearing_force_mean @ turn, rel=1e-12)
 
 
+def test_play_under_load():
+    """At rest the body bears on a flat in x and a flat in y: along the mean force it has come further than in a circle."""
+    train = pair(pinion={"half_clearance": 8e-6})
+    told = train.explain()["bearing 1"]
+    force, stiffness = told["mean_force"], np.array(train.bearings[0].stiffness)
+    along = force / np.hypot(*force)
+    rest = train.integrate(frequency=0.5).mean[1:3] * LENGTH
+    elastic = along @ (force / stiffness)
+    assert rest @ along - elastic == pytest.approx(told["loaded_clearance"], rel=1e-8)
+    assert 8e-6 < told["loaded_clearance"] < 8e-6 * np.sqrt(2)
+    assert "loaded_clearance" not in train.explain()["bearing 2"]
+
+
 def test_no_more_unknowns():
     """A bearing elsewhere leaves the other bodies two coordinates fewer; without a bearing a train is as before."""
     train = pair(**CLEARANCE)
