@@ -112,10 +112,14 @@ class Description(TrainVariables):
 
     @property
     def mesh_elements(self) -> tuple[str, ...]:
-        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ``'coupling 1'``, ``'bearing 1 x'``, ..."""
+        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ``'coupling 1'``, ``'bearing 1 x'``, ...
+
+        A bearing with more than four flats has further directions, by their angles from the x axis: ``'bearing 1 22.5'``.
+        """
         return (*(f"mesh {number}" for number in range(1, len(self.meshes) + 1)),
                 *(f"coupling {number}" for number in range(1, len(self.couplings) + 1)),
-                *(f"bearing {number} {axis}" for number in range(1, len(self.bearings) + 1) for axis in "xy"))
+                *(f"bearing {number} {axis}" for number in range(1, len(self.bearings) + 1) for axis in "xy"),
+                *(f"bearing {number + 1} {angle:g}" for number, angle in _further_rows(self)))
 
     @property
     def shaft_labels(self) -> tuple[str, ...]:
@@ -204,8 +208,20 @@ class Description(TrainVariables):
 
 def bearings_of(force: NDArray[np.float64], train: Description | None) -> NDArray[np.float64]:
     """Forces of bearings, (samples, bearings, 2), of the forces of meshes, couplings and bearings, (samples, meshes)."""
+    rows = _further_rows(train) if train is not None else []
     bearings = len(train.bearings) if train is not None else 0
-    return force[:, force.shape[1] - 2 * bearings:].reshape(len(force), bearings, 2)
+    last = force.shape[1] - len(rows)
+    found = force[:, last - 2 * bearings:last].reshape(len(force), bearings, 2).copy()
+    for column, (bearing, angle) in enumerate(rows, last):
+        found[:, bearing] += force[:, column, np.newaxis] * [np.cos(np.radians(angle)), np.sin(np.radians(angle))]
+    return found
+
+
+def _further_rows(train: Description) -> list[tuple[int, float]]:
+    """Directions of bearings beside x and y, [degree] from the x axis, each with the place of its bearing."""
+    flats = [int(bearing.flats or 4) for bearing in train.bearings]
+    return [(bearing, 360.0 * row / number) for bearing, number in enumerate(flats)
+            for row in range(1, number // 2) if row != number // 4]
 
 
 def half_gaps(train: Description) -> NDArray[np.float64]:
@@ -222,7 +238,12 @@ def load_signs(train: Description) -> list[int]:
     signs = []
     for element, about in zip(train.mesh_elements, _groups_of(train)):
         mean = np.ravel(about.get("mean_force", about.get("mean_torque", 0.0)))
-        signs.append(-1 if mean[int(element.endswith(" y"))] < 0 else 1)
+        axis = element.split()[2:]
+        if axis:  # of a bearing
+            known = {"x": (1.0, 0.0), "y": (0.0, 1.0)}
+            angle = 0.0 if axis[0] in known else np.radians(float(axis[0]))
+            mean = np.array([mean @ known.get(axis[0], (np.cos(angle), np.sin(angle)))])
+        signs.append(-1 if mean[0] < 0 else 1)
     return signs
 
 
@@ -262,7 +283,7 @@ def part_names(train: Description | None, along: str, number: int) -> tuple[str,
             "planet": train.planet_labels,
             "coupling": train.mesh_labels[len(train.meshes):first],
             "bearing": tuple(bearing.body or "" for bearing in train.bearings),
-            "bearing axis": train.mesh_labels[first:],
+            "bearing axis": train.mesh_labels[first:first + 2 * len(train.bearings)],
         }[along]
     return tuple(labels) if len(labels) == number else tuple(f"{along} {place}" for place in range(1, number + 1))
 

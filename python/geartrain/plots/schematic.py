@@ -204,7 +204,7 @@ def _draw_bearing(ax: Axes, place: Array, size: float, number: int, strength: Ma
     """A bearing as a ring of balls in the middle of its body, of the colour of joints; gives its words."""
     from matplotlib.patches import Circle
 
-    share = None if strength is None else sum(strength.get(f"bearing {number} {axis}", 0.0) for axis in "xy")
+    share = None if strength is None else sum(part for name, part in strength.items() if name.startswith(f"bearing {number} "))
     color = "0.45" if share is None else COLORS[3]
     thickness = 1.0 if share is None else 0.5 + 4.5 * share
     for radius in (0.34 * size, 0.66 * size):
