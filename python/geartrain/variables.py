@@ -175,6 +175,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "stiffness": Variable("stiffness", "reals", "Series", None, False, "Stiffnesses in the directions x and y, of all bearings of the body together; [N/m]; > 0"),
         "damping": Variable("damping", "reals", "Series", None, False, "Damping coefficients in the directions x and y, within the clearance as well; none: 0; [N s/m]; >= 0"),
         "half_clearance": Variable("half_clearance", "real", "float", 0.0, False, "Half of the clearance in each direction; 0: none; [m]; >= 0"),
+        "flats": Variable("flats", "integer", "int", 4, False, "Flats of the clearance, 4, 8, 12, 16 or 24; above 4, of equal stiffness and damping in x and y, the clearance is nearly round; >= 4 and <= 24"),
     },
     "modes": {},
     "response": {
@@ -456,6 +457,7 @@ class Bearing(Part, variables=VARIABLES["bearing"]):
     stiffness: Series | None = None
     damping: Series | None = None
     half_clearance: float | None = None
+    flats: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import eigh
+from scipy.optimize import brentq
 
 import geartrain as gt
 
@@ -211,6 +212,19 @@ def test_turned_plane(angle):
     assert other.bearing_force_mean == pytest.approx(one.bearing_force_mean @ turn, rel=1e-12)
 
 
+def test_play_under_load():
+    """At rest the body bears on a flat in x and a flat in y: along the mean force it has come further than in a circle."""
+    train = pair(pinion={"half_clearance": 8e-6})
+    told = train.explain()["bearing 1"]
+    force, stiffness = told["mean_force"], np.array(train.bearings[0].stiffness)
+    along = force / np.hypot(*force)
+    rest = train.integrate(frequency=0.5).mean[1:3] * LENGTH
+    elastic = along @ (force / stiffness)
+    assert rest @ along - elastic == pytest.approx(told["loaded_clearance"], rel=1e-8)
+    assert 8e-6 < told["loaded_clearance"] < 8e-6 * np.sqrt(2)
+    assert "loaded_clearance" not in train.explain()["bearing 2"]
+
+
 def test_no_more_unknowns():
     """A bearing elsewhere leaves the other bodies two coordinates fewer; without a bearing a train is as before."""
     train = pair(**CLEARANCE)
@@ -248,10 +262,9 @@ class Model:
         self.steady = self.turning @ (torque / inertia)
         self.couple = self.turning @ (self.turning / inertia).T
         self.mass = np.repeat([bearing.mass for bearing in train.bearings], 2)
-        self.k = np.concatenate([bearing.stiffness for bearing in train.bearings])
         self.c = np.concatenate([bearing.damping for bearing in train.bearings])
         self.gap = np.array([mesh.half_backlash or 0.0 for mesh in train.meshes])
-        self.clearance = np.repeat([bearing.half_clearance or 0.0 for bearing in train.bearings], 2)
+        self.put_rows(train.bearings)
 
     def excitation(self, phase):
         """Stiffnesses, errors over their derivative by the phase."""
@@ -265,6 +278,24 @@ class Model:
             error[row] = sum(a * np.cos(h * order * phase) for h, a in errors)
             slope[row] = -sum(a * h * order * np.sin(h * order * phase) for h, a in errors)
         return stiffness, error, slope
+
+    def put_rows(self, bearings):
+        """Directions of the springs of the bearings, (row, coordinate): x and y of all, then those between them; their gaps."""
+        flats = [int(bearing.flats or 4) for bearing in bearings]
+        angles = [(place, 90.0 * axis) for place in range(len(flats)) for axis in (0, 1)]
+        angles += [(place, 360.0 * row / count) for place, count in enumerate(flats) for row in range(1, count // 2)
+                   if row != count // 4]
+        self.rows = np.zeros((len(angles), 2 * len(flats)))
+        for row, (place, angle) in enumerate(angles):
+            self.rows[row, 2 * place:2 * place + 2] = np.round([np.cos(np.radians(angle)), np.sin(np.radians(angle))], 15)
+        self.share = np.array([4 / flats[place] * bearings[place].stiffness[row % 2] for row, (place, _) in enumerate(angles)])
+        self.play = np.array([bearings[place].half_clearance or 0.0 for place, _ in angles])
+
+    def support(self, u, du):
+        """Forces on the bearings, of a column of displacements each."""
+        w = self.rows @ u
+        spring = self.share[:, None] * np.sign(w) * np.maximum(np.abs(w) - self.play[:, None], 0.0)
+        return self.rows.T @ spring + self.c[:, None] * du
 
     def derivative(self, t, z, omega):
         count = len(self.meshes)
@@ -282,9 +313,9 @@ class Model:
         g, contact = law(p[:, 0], self.gap)
         force = (stiffness * contact)[:, None] * p + damping[:, None] * dp
         force[:, 0] = stiffness * g + damping * dp[:, 0]
-        g, contact = law(u[:, 0], self.clearance)
-        support = (self.k * contact)[:, None] * u + self.c[:, None] * du
-        support[:, 0] = self.k * g + self.c * du[:, 0]
+        contact = np.abs(self.rows @ u[:, 0]) > self.play
+        support = self.rows.T @ ((self.share * contact)[:, None] * (self.rows @ u)) + self.c[:, None] * du
+        support[:, :1] = self.support(u[:, :1], du[:, :1])
         result = np.empty_like(z)
         result[:count + len(self.mass)] = z[count + len(self.mass):]
         result[count + len(self.mass):2 * count + len(self.mass)] = -self.couple @ force
@@ -299,9 +330,10 @@ class Model:
         path = motion.trajectory(motion.period)
         p, dp = path.displacement[0] * LENGTH, path.velocity[0] * LENGTH * RATE
         _, error, slope = self.excitation(0.0)
-        q = p[:count] - error - self.moving @ p[count:]
-        dq = dp[:count] - omega * slope - self.moving @ dp[count:]
-        start = np.concatenate([q, p[count:], dq, dp[count:]])
+        own = slice(count, count + len(self.mass))
+        q = p[:count] - error - self.moving @ p[own]
+        dq = dp[:count] - omega * slope - self.moving @ dp[own]
+        start = np.concatenate([q, p[own], dq, dp[own]])
         size = len(start)
         # Displacements and velocities of one unit, so that a tolerance means the same for both.
         unit = np.repeat([LENGTH, LENGTH * RATE], size // 2)
@@ -317,9 +349,8 @@ class Model:
         path = found.y.reshape(size, -1, samples + 1)[:, 0] * unit[:, None]
         u, du = path[count:size // 2], path[size // 2 + count:]
         errors = np.array([self.excitation(omega * t)[1] for t in instants]).T
-        out = np.concatenate([path[:count] + self.moving @ u + errors, u]) / LENGTH
-        support = self.k[:, None] * np.sign(u) * np.maximum(np.abs(u) - self.clearance[:, None], 0.0) + self.c[:, None] * du
-        return out, support, np.linalg.eigvals(end)
+        out = np.concatenate([path[:count] + self.moving @ u + errors, self.rows @ u]) / LENGTH
+        return out, self.support(u, du), np.linalg.eigvals(end)
 
 
 def compare(train, motion, samples=720):
@@ -360,6 +391,57 @@ def test_scipy():
         apart = max(apart, motion.separation_fraction.max())
         compare(train, motion)
     assert apart > 0.02
+
+
+ROUND = {"stiffness": [2e8, 2e8], "damping": [600.0, 600.0], "half_clearance": 8e-6}
+
+
+@pytest.mark.full
+def test_flats():
+    """Twelve and eight flats: six springs round the pinion, four round the wheel, by shooting and by equations of their own."""
+    train = pair(half_backlash=2e-5, stiffness_cos=[0.25], pinion={**ROUND, "flats": 12}, wheel={**ROUND, "flats": 8})
+    assert train.mesh_elements[5:] == ("bearing 1 30", "bearing 1 60", "bearing 1 120", "bearing 1 150", "bearing 2 45",
+                                       "bearing 2 135")
+    assert train.mesh_labels[5:7] == ("pinion bearing 30", "pinion bearing 60")
+    motion = train.integrate(frequency=0.6).refine()
+    compare(train, motion)
+    force = motion.bearing_force
+    assert force.mean(0) == pytest.approx(motion.bearing_force_mean, rel=1e-4, abs=1.0)
+    assert len(motion.state) == 2 * (1 + 4)
+
+
+@pytest.mark.parametrize("flats", [8, 12, 16, 24])
+def test_round_clearance(flats):
+    """At rest in a ring of springs without number, F = 2 k/pi (r a - c sin a) with cos(a) = c/r, from which flats are off.
+
+    The springs are a trapezoidal rule in the angle, of a function with a kink: the error falls with the square of their number.
+    """
+    clearance, stiffness = 8e-6, 2e8
+    train = pair(pinion={**ROUND, "flats": flats})
+    told = train.explain()["bearing 1"]
+    assert told["corner_clearance"] == pytest.approx(clearance / np.cos(np.pi / flats), rel=1e-12)
+    force = np.hypot(*told["mean_force"])
+    assert told["mean_force"] == pytest.approx(pair().explain()["bearing 1"]["mean_force"], rel=1e-9)
+
+    def ring(r):
+        angle = np.arccos(clearance / r)
+        return 2 * stiffness / np.pi * (r * angle - clearance * np.sin(angle)) - force
+
+    wanted = brentq(ring, clearance, 10 * clearance + force / stiffness)
+    rest = train.integrate(frequency=0.5).mean[1:3] * LENGTH
+    assert np.hypot(*rest) == pytest.approx(wanted, rel=2.0 / flats**2)
+    assert rest / np.hypot(*rest) == pytest.approx(told["mean_force"] / force, abs=4.0 / flats**2)
+
+
+def test_turned_flats():
+    """A plane turned by the angle between two flats changes nothing but the directions of the forces."""
+    given = {"half_backlash": 2e-5, "stiffness_cos": [0.2]}
+    supports = {"pinion": {**ROUND, "flats": 8}, "wheel": {**ROUND, "half_clearance": 0.0}}
+    one, other = (pair(**given, **supports, line_of_action=line).response(start=0.7, stop=0.7001, harmonics=10).at(0.7)[0]
+                  for line in (30.0, 75.0))
+    assert other.rms[0] == pytest.approx(one.rms[0], rel=1e-9)
+    turn = np.sqrt(0.5) * np.array([[1.0, 1.0], [-1.0, 1.0]])
+    assert other.bearing_force_mean == pytest.approx(one.bearing_force_mean @ turn, rel=1e-9)
 
 
 @pytest.mark.full
@@ -488,6 +570,12 @@ WRONG = {
                     "bears the mean load on its back flanks, .* name the body that drives first"),
     "no bearing": (lambda train: {"bearings": [], "meshes": [replace(train.meshes[0], line_of_action=20.0)]},
                    "line_of_action = 20.0: has no effect"),
+    "number of flats": (lambda train: {"bearings": [replace(train.bearings[0], flats=10)]},
+                        "flats = 10: must be 4, 8, 12, 16 or 24"),
+    "no clearance": (lambda train: {"bearings": [replace(train.bearings[0], flats=8, stiffness=[1e8, 1e8], damping=None)]},
+                     "flats = 8: has no effect without half_clearance"),
+    "unequal stiffness": (lambda train: {"bearings": [replace(train.bearings[0], flats=8, half_clearance=1e-6)]},
+                          "flats = 8: needs equal stiffness, and equal damping, in the directions x and y"),
     "held": (lambda train: {"bodies": [replace(train.bodies[0], stiffness_to_ground=1e5),
                                        replace(train.bodies[1], held=True, balances=None, inertia=None)]}, "'wheel': is held"),
 }

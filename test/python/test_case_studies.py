@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import geartrain as gt
 from case_studies import (
@@ -179,3 +180,49 @@ def test_marine_turbines():
     assert at_resonance.back_contact_fraction[0] > 0.1 and at_resonance.mesh_force[:, 0].max() > 300e3
     idle = [motion(speed, 0.02).separation_fraction[1] > 0 for speed in (18.0, 20.0, 22.2, 45.6, 46.0)]
     np.testing.assert_array_equal(idle, [0, 1, 1, 1, 0])
+
+
+def oscillator(frequency, state, periods, samples=0):
+    """Of `kahraman_singh.nml`, x'' + 0.1 x' + kappa g(x) = 0.1 + f: end and samples of the last period."""
+    orders = np.arange(1, 4)
+    kappa, force = np.array([0.2, 0.1, 0.05]), np.array([0.01, 0.004, 0.002]) * (orders * frequency) ** 2
+
+    def derivative(t, z):
+        wave = np.cos(orders * frequency * t)
+        flank = np.sign(z[0]) * max(abs(z[0]) - 1.0, 0.0)
+        return z[1], 0.1 + force @ wave - 0.1 * z[1] - (1 - kappa @ wave) * flank
+
+    end = 2 * np.pi * periods / frequency
+    last = np.linspace(end - 2 * np.pi / frequency, end, samples + 1)[:-1] if samples else None
+    # The corners of the law cost accuracy: steps of a hundredth of a period keep them apart.
+    found = solve_ivp(derivative, (0, end), state, "DOP853", last, rtol=1e-11, atol=1e-13, max_step=0.06 / frequency)
+    return found.y
+
+
+def test_pair_after_kahraman_and_singh():
+    case = study("kahraman_singh")
+    train = case.train
+    assert train.modes().natural_frequency_hertz == pytest.approx([6469], abs=0.5)
+    branch = train.response(start=0.3, stop=1.2, harmonics=0)
+    assert branch.separation_ranges(1) == pytest.approx(np.array([[0.317, 0.351], [0.437, 0.543], [0.598, 1.131]]), abs=5e-4)
+    jumps = {(jump.kind, round(jump.frequency, 4)) for jump in branch.jumps}
+    assert jumps == {("jump down", 0.4370), ("jump down", 0.5982), ("jump up", 0.4553), ("jump up", 0.8358)}
+    stable = branch.dynamic_factor[branch.stable]
+    assert stable.max() == pytest.approx(4.45, abs=0.01)
+    assert branch.back_contact_fraction.max() == 0
+    (alone,) = branch.at(0.5)
+    both = [motion for motion in branch.at(0.8) if motion.stable]
+    assert len(both) == 2
+    for motion in (alone, *both):
+        motion = motion.refine()
+        path = motion.trajectory(1)
+        state = path.displacement[0, 0], path.velocity[0, 0]
+        x = oscillator(motion.frequency, state, 1, 512)[0]
+        assert path.displacement[:, 0] == pytest.approx(x[::2], abs=2e-8)  # SciPy steps over the corners of the law
+        assert motion.rms[0] == pytest.approx(np.sqrt(2) * x.std(), rel=1e-6)  # the samples of a force with corners
+    # The jump of a rising sweep: the small motion is there below the fold, and above it the large one is reached.
+    small = min(branch.at(0.834), key=lambda motion: motion.rms[0])
+    path = small.trajectory(1)
+    state = path.displacement[0, 0], path.velocity[0, 0]
+    sizes = [np.sqrt(2) * oscillator(frequency, state, 60, 200)[0].std() for frequency in (0.834, 0.845)]
+    assert sizes[0] == pytest.approx(small.rms[0], rel=0.02) and sizes[1] > 0.2

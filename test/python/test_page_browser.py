@@ -131,6 +131,15 @@ def test_pictures_of_a_point_are_those_of_the_motion(shown, page_results):
         amplitude = motion.spectrum()[1]
         visible = (amplitude > 3e-3 * amplitude.max()).any(axis=1)
         np.testing.assert_allclose(height, amplitude[visible, 0], rtol=DRAWN, atol=DRAWN * amplitude.max())
+        shown.js("((s) => { s.value = 'force'; s.onchange(); })(byId('spectrum-of'))")
+        shown.settle()
+        height = np.array(shown.js("byId('spectrum').data[0].y.filter((_, i) => i % 3 === 1)"))
+        of_force = motion.spectrum("mesh_force")[1][:len(amplitude)]
+        seen = (of_force > 3e-3 * of_force.max()).any(axis=1)
+        # The samples of the page are more, and the corners of the force alias less.
+        np.testing.assert_allclose(height, of_force[seen, 0], atol=1e-3 * of_force.max())
+        shown.js("((s) => { s.value = 'p'; s.onchange(); })(byId('spectrum-of'))")
+        shown.settle()
         real = shown.js("byId('multipliers').data.flatMap((trace) => trace.x)")
         np.testing.assert_allclose(np.sort(real), np.sort(branch.multipliers[point].real), atol=DRAWN)
         facts = shown.find("#facts").text

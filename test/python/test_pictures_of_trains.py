@@ -195,3 +195,98 @@ def test_the_layout_of_a_train_keeps_bodies_apart(split):
         for joint in tree:
             one, other = places[list(joint.ends)]
             assert other[0] == one[0] + 1
+
+
+# Bearings and couplings
+
+
+@pytest.fixture(scope="module")
+def carried():
+    """A gear pair on two bearings, the pinion with clearance, behind a spline: one motion and a short branch."""
+    bodies = [gt.Body(name="motor", inertia=0.02, torque=40.0), gt.Body(name="pinion", inertia=1e-3, position=[0.0, 0.0]),
+              gt.Body(name="wheel", inertia=0.014, position=[0.12, 0.0], balances=True)]
+    train = gt.Train(
+        bodies=bodies, characteristic_length=1e-6, characteristic_frequency=1e4,
+        couplings=[gt.Coupling(between=("motor", "pinion"), stiffness=8e3, half_play=0.002, damping=1.0)],
+        meshes=[gt.Mesh(between=("pinion", "wheel"), driving_radius=0.035, driven_radius=0.077, stiffness=4e8, damping=1300.0,
+                        stiffness_cos=[0.3, 0.1], half_backlash=28e-6)],
+        bearings=[gt.Bearing(body="pinion", mass=2.5, stiffness=[2.5e8, 2e8], damping=[800.0, 800.0], half_clearance=5e-6),
+                  gt.Bearing(body="wheel", mass=7.0, stiffness=[3e8, 2.5e8], damping=[1200.0, 1200.0])])
+    return train.response(start=0.55, stop=0.75, harmonics=10)
+
+
+def test_bearings_of_the_train(carried):
+    """A ring of eight balls between two rings in each body on a bearing, and its name below; of a mode its share of energy."""
+    train = carried.train
+    ax = train.plot()
+    assert sum(isinstance(patch, Circle) for patch in ax.patches) == 3 + 2 * 10
+    assert "pinion\nbearing 1" in texts(ax) and "wheel\nbearing 2" in texts(ax)
+    modes = train.modes()
+    shares = modes.energy_shares(2)
+    for number in (1, 2):
+        share = shares[f"bearing {number} x"] + shares[f"bearing {number} y"]
+        assert (f"bearing {number}: {100 * share:.3g} %" in "\n".join(texts(modes.plot(2)))) == (share >= 0.005)
+
+
+def names(ax):
+    """What a legend or the words on axes name."""
+    return [*texts(ax), *(line.get_label() for line in ax.lines)]
+
+
+def test_forces_of_bearings_over_the_speed(carried):
+    """Curves of x and y of each bearing; a bearing, or a coupling, asked for alone."""
+    ax = carried.plot(quantity="bearing_force_rms")
+    # A panel each, or one for all.
+    assert {"pinion bearing x", "wheel bearing y"} <= {text for panel in ax.figure.axes for text in names(panel)}
+    drawn = np.concatenate([line.get_ydata() for panel in ax.figure.axes for line in panel.lines])
+    assert np.isin(carried.bearing_force_rms, drawn).all()
+    assert ax.get_ylim()[0] == 0
+    drawn = np.concatenate([line.get_ydata() for panel in carried.plot(bearing=2).figure.axes for line in panel.lines])
+    for of_bearing in (carried.bearing_force_minimum, carried.bearing_force_maximum):
+        assert np.isin(of_bearing[:, 1], drawn).all() and not np.isin(of_bearing[:, 0], drawn).any()
+    assert carried.plot(coupling=1).get_ylabel() == "coupling torque, smallest to largest  [N m]"
+    with pytest.raises(gt.InputError, match="bearing = 3: must be 1 to 2"):
+        carried.plot(bearing=3)
+    with pytest.raises(gt.InputError, match="is of each bearing, and of no other part"):
+        carried.plot(bearing=1, quantity="bearing_force", mesh=1)
+    frame = carried.to_dataframe()
+    assert (frame["bearing_force_mean, bearing 2 y"] == carried.bearing_force_mean[:, 1, 1]).all()
+    assert list(carried.to_dataset().bearing_label.values) == ["pinion", "wheel"]
+
+
+def test_spectra_of_forces(carried):
+    """The squares of the amplitudes add up to the mean square of a force: Parseval."""
+    motion = carried.at(0.65)[0]
+    order, amplitude = motion.spectrum("bearing_force")
+    assert amplitude.shape == (len(order), 2, 2) and order[0] == 1
+    # Lines above those kept, of the corners of the force: their squares fall with the fourth power of the order.
+    assert np.sqrt((amplitude**2).sum(0) / 2) == pytest.approx(motion.bearing_force_rms, rel=1e-6)
+    meshes = motion.spectrum("mesh_force")[1]
+    assert (meshes[:, 2:].reshape(-1, 2, 2) == amplitude).all()
+    assert motion.spectrum("coupling_torque")[1][:, 0] == pytest.approx(meshes[:, 1], abs=1e-12 * meshes.max())
+    table = motion.orders(what="bearing_force")
+    assert table.amplitude.attrs["units"] == "N" and list(table.bearing.values[:2]) == ["pinion bearing x", "pinion bearing y"]
+    axes = motion.plot(mesh=3, spectrum="mesh_force")
+    assert axes[2].get_ylabel().startswith("amplitude  [N") and axes[1].get_ylabel().startswith("mesh or bearing force")
+    assert max(line.get_ydata().max() for line in axes[2].lines) == pytest.approx(amplitude[:, 0, 0].max())
+    with pytest.raises(gt.InputError, match="spectrum = 'velocity': must be 'displacement' or 'mesh_force'"):
+        motion.plot(spectrum="velocity")
+    with pytest.raises(gt.InputError, match="what = 'noise': must be 'displacement'"):
+        motion.spectrum("noise")
+
+
+def test_the_gap_of_a_bearing(carried):
+    """Grey where a bearing has clearance, in the phase plane of its displacement; channels have the names of the elements."""
+    motion = carried.at(0.65)[0]
+    (gap,) = [patch for patch in motion.phase_plane(3).patches if hasattr(patch, "get_width")]
+    assert gap.get_width() == pytest.approx(2 * 5.0)
+    assert motion.rainflow("coupling 1").unit == "N m"
+    assert motion.rainflow("bearing 2 y").unit == "N"
+
+
+def test_ranges_of_bearings(carried):
+    """A bearing that bears on its negative side is not said to hit with its back flanks."""
+    assert carried.back_contact_fraction[:, 2].min() == 1.0  # x of the pinion
+    ax = carried.plot(quantity="mesh_force", ranges=True)
+    words = [word for panel in ax.figure.axes for word in texts(panel)]
+    assert "bearing 1 x" not in words and not any("back flanks" in word for word in words)

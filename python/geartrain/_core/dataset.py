@@ -60,9 +60,12 @@ def dataframe(points: Dataset) -> DataFrame:
             columns[str(name)] = array.values
         elif array.ndim == 2 and "point" in array.dims:
             other = next(str(axis) for axis in array.dims if axis != "point")
-            if other in {"mesh", "shaft", "planet"}:
+            if other in {"mesh", "shaft", "planet", "coupling", "held"}:
                 for place in range(array.sizes[other]):
                     columns[f"{name}, {other} {place + 1}"] = array.isel({other: place}).values
+        elif array.dims == ("point", "bearing", "axis"):
+            for place, axis in np.ndindex(array.shape[1:]):
+                columns[f"{name}, bearing {place + 1} {'xy'[axis]}"] = array.values[:, place, axis]
     frame: DataFrame = extra("pandas").DataFrame(columns)
     return frame
 
@@ -72,4 +75,5 @@ def labels_along(dimension: str, length: int, orders: Any = None) -> Any:
     if dimension == "coefficient":
         return ["mean", *(f"{name} {order}" for order in (range(1, (length + 1) // 2) if orders is None else orders)
                           for name in ("cos", "sin"))]
-    return ["real", "imaginary"] if dimension == "complex" else np.arange(1, length + 1, dtype=np.intc)
+    named = {"complex": ["real", "imaginary"], "axis": ["x", "y"]}
+    return named.get(dimension, np.arange(1, length + 1, dtype=np.intc))

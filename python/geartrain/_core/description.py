@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import zip_longest
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from ..variables import Analyses
 
-__all__ = ["Description", "bearings_of", "mesh_names", "planet_names", "shaft_names"]
+__all__ = ["Description", "bearings_of", "contact_words", "half_gaps", "load_signs", "part_labels", "part_names"]
 
 
 class Description(TrainVariables):
@@ -112,10 +112,14 @@ class Description(TrainVariables):
 
     @property
     def mesh_elements(self) -> tuple[str, ...]:
-        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ``'coupling 1'``, ``'bearing 1 x'``, ..."""
+        """What the places along the dimension ``mesh`` of results are: ``'mesh 1'``, ``'coupling 1'``, ``'bearing 1 x'``, ...
+
+        A bearing with more than four flats has further directions, by their angles from the x axis: ``'bearing 1 22.5'``.
+        """
         return (*(f"mesh {number}" for number in range(1, len(self.meshes) + 1)),
                 *(f"coupling {number}" for number in range(1, len(self.couplings) + 1)),
-                *(f"bearing {number} {axis}" for number in range(1, len(self.bearings) + 1) for axis in "xy"))
+                *(f"bearing {number} {axis}" for number in range(1, len(self.bearings) + 1) for axis in "xy"),
+                *(f"bearing {number + 1} {angle:g}" for number, angle in _further_rows(self)))
 
     @property
     def shaft_labels(self) -> tuple[str, ...]:
@@ -204,26 +208,95 @@ class Description(TrainVariables):
 
 def bearings_of(force: NDArray[np.float64], train: Description | None) -> NDArray[np.float64]:
     """Forces of bearings, (samples, bearings, 2), of the forces of meshes, couplings and bearings, (samples, meshes)."""
+    rows = _further_rows(train) if train is not None else []
     bearings = len(train.bearings) if train is not None else 0
-    return force[:, force.shape[1] - 2 * bearings:].reshape(len(force), bearings, 2)
+    last = force.shape[1] - len(rows)
+    found = force[:, last - 2 * bearings:last].reshape(len(force), bearings, 2).copy()
+    for column, (bearing, angle) in enumerate(rows, last):
+        found[:, bearing] += force[:, column, np.newaxis] * [np.cos(np.radians(angle)), np.sin(np.radians(angle))]
+    return found
 
 
-def mesh_names(train: Description | None, meshes: int) -> tuple[str, ...]:
-    """What the meshes of a result are called; by their numbers where it has no train, or not one of so many meshes."""
-    labels = train.mesh_labels if isinstance(train, Description) else ()
-    return labels if len(labels) == meshes else tuple(f"mesh {number}" for number in range(1, meshes + 1))
+def _further_rows(train: Description) -> list[tuple[int, float]]:
+    """Directions of bearings beside x and y, [degree] from the x axis, each with the place of its bearing."""
+    flats = [int(bearing.flats or 4) for bearing in train.bearings]
+    return [(bearing, 360.0 * row / number) for bearing, number in enumerate(flats)
+            for row in range(1, number // 2) if row != number // 4]
 
 
-def shaft_names(train: Description | None, shafts: int) -> tuple[str, ...]:
-    """What the shafts of a result are called, likewise."""
-    labels = train.shaft_labels if isinstance(train, Description) else ()
-    return labels if len(labels) == shafts else tuple(f"shaft {number}" for number in range(1, shafts + 1))
+def half_gaps(train: Description) -> NDArray[np.float64]:
+    """Half of the backlash, play or clearance of what stands along the dimension ``mesh``, over the characteristic length."""
+    numbers, groups = train.explain(), _groups_of(train)
+    # The displacement of a coupling is 1 um for 1 mrad.
+    half = [about.get("half_backlash", about.get("half_clearance", 1e-3 * about.get("half_play", 0.0))) for about in groups]
+    gaps: NDArray[np.float64] = np.array(half) / numbers["train"]["characteristic_length"]
+    return gaps
 
 
-def planet_names(train: Description | None, planets: int) -> tuple[str, ...]:
-    """What the planets of a result are called, likewise."""
-    labels = train.planet_labels if isinstance(train, Description) else ()
-    return labels if len(labels) == planets else tuple(f"planet {number}" for number in range(1, planets + 1))
+def load_signs(train: Description) -> list[int]:
+    """Sign of the mean force of what stands along the dimension ``mesh``; 1 where there is none."""
+    signs = []
+    for element, about in zip(train.mesh_elements, _groups_of(train)):
+        mean = np.ravel(about.get("mean_force", about.get("mean_torque", 0.0)))
+        axis = element.split()[2:]
+        if axis:  # of a bearing
+            known = {"x": (1.0, 0.0), "y": (0.0, 1.0)}
+            angle = 0.0 if axis[0] in known else np.radians(float(axis[0]))
+            mean = np.array([mean @ known.get(axis[0], (np.cos(angle), np.sin(angle)))])
+        signs.append(-1 if mean[0] < 0 else 1)
+    return signs
+
+
+def contact_words(train: Description | None, places: Iterable[int], what: str) -> dict[int, str]:
+    """What is said of ranges without contact, ``'separation'``, or with contact on the other side, ``'back collision'``.
+
+    By the places along the dimension ``mesh`` of which there is something to say: what couplings and bearings bear on the negative
+    side by their mean load is no collision.
+    """
+    known = {"separation": ("teeth separate", "contact is lost"), "back collision": ("back flanks collide", "other side hits")}
+    words = known[what]
+    if not isinstance(train, Description):
+        return {place: words[0] for place in places}
+    signs, first = load_signs(train), len(train.meshes)
+    return {place: words[place >= first] for place in places if place < first or what == "separation" or signs[place] > 0}
+
+
+def _groups_of(train: Description) -> list[Mapping[str, Any]]:
+    """The numbers of what stands along the dimension ``mesh``."""
+    numbers = train.explain()
+    return [numbers[" ".join(element.split()[:2])] for element in train.mesh_elements]
+
+
+def part_names(train: Description | None, along: str, number: int) -> tuple[str, ...]:
+    """What the places along a dimension are called: their numbers without a train, or where it has not so many.
+
+    ``along`` is ``'mesh'``, ``'shaft'``, ``'held'``, ``'planet'``, ``'coupling'``, ``'bearing'``, or ``'bearing axis'`` for the
+    directions of all bearings.
+    """
+    labels: Sequence[str] = ()
+    if isinstance(train, Description):
+        first = len(train.meshes) + len(train.couplings)
+        labels = {
+            "mesh": train.mesh_labels,
+            "shaft": train.shaft_labels,
+            "held": tuple(body.name or f"body {number}" for number, body in enumerate(train.bodies or (), 1) if body.held),
+            "planet": train.planet_labels,
+            "coupling": train.mesh_labels[len(train.meshes):first],
+            "bearing": tuple(bearing.body or "" for bearing in train.bearings),
+            "bearing axis": train.mesh_labels[first:first + 2 * len(train.bearings)],
+        }[along]
+    return tuple(labels) if len(labels) == number else tuple(f"{along} {place}" for place in range(1, number + 1))
+
+
+#: A field that every result with a dimension has.
+_ALONG = {"mesh": "rms", "shaft": "shaft_torque_mean", "held": "reaction_torque_mean", "planet": "load_share",
+          "coupling": "coupling_torque_mean", "bearing": "bearing_force_mean"}
+
+
+def part_labels(train: Description | None, fields: Mapping[str, Any]) -> dict[str, tuple[str, ...]]:
+    """Names along the dimensions of fields of motions, (motions, parts), as the fields ``mesh_label``, ... of a results file."""
+    there = {along: fields[name] for along, name in _ALONG.items() if fields.get(name) is not None and len(fields[name])}
+    return {f"{along}_label": part_names(train, along, np.shape(values)[1]) for along, values in there.items()}
 
 
 def _further_problems(text: str, known: Mapping[str, str]) -> list[str]:

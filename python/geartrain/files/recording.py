@@ -111,7 +111,8 @@ class Recording:
         Parameters
         ----------
         of : str
-            ``'shaft 2'``, ``'mesh 1'``, ``'coupling 1'``, or the name that results have for it, as ``'motor - pinion'``.
+            ``'shaft 2'``, ``'mesh 1'``, ``'coupling 1'``, ``'bearing 1 x'``, or the name that results have for it, as
+            ``'motor - pinion'``.
         periods : int
             Of a motion: periods of the fundamental; 0: its own period, which is counted as if it went on without end.
 
@@ -140,15 +141,15 @@ class Recording:
 
 
 def channels_of(train: Description | None, mesh_force: Array, shaft_torque: Array) -> list[Channel]:
-    """Mesh forces, torques of couplings and of shafts, (samples, meshes) and (samples, shafts), as channels."""
-    couplings = len(train.couplings) if train else 0
+    """Forces of meshes and bearings, torques of couplings and shafts, (samples, meshes) and (samples, shafts), as channels."""
     names = train.mesh_labels if train else ("",) * mesh_force.shape[1]
     shafts = train.shaft_labels if train else ("",) * shaft_torque.shape[1]
+    elements = train.mesh_elements if train else [f"mesh {place + 1}" for place in range(mesh_force.shape[1])]
     found = []
-    for place in range(mesh_force.shape[1]):
-        last = place - (mesh_force.shape[1] - couplings)
-        row = (f"coupling {last + 1}", "coupling torque", "N m") if last >= 0 else (f"mesh {place + 1}", "mesh force", "N")
-        found.append(Channel(row[0], row[1], names[place], row[2], mesh_force[:, place]))
+    for place, element in enumerate(elements):
+        kind = element.split()[0]
+        of, unit = ("torque", "N m") if kind == "coupling" else ("force", "N")
+        found.append(Channel(element, f"{kind} {of}", names[place], unit, mesh_force[:, place]))
     found += [Channel(f"shaft {place + 1}", "shaft torque", shafts[place], "N m", shaft_torque[:, place])
               for place in range(shaft_torque.shape[1])]
     return found

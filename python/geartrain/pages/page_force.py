@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.description import Description
+from .._core.description import Description, half_gaps
 from ..results.motion import Motion
 
 __all__ = ["force_laws", "force_of", "largest_difference"]
@@ -40,11 +40,7 @@ def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
         ``half``; ``drive`` and ``back``, each ``[[order, cos, sin], ...]``, the mean with order 0; ``damping`` of back flank, gap,
         drive flank.
     """
-    numbers = train.explain()
-    length = numbers["train"]["characteristic_length"]
-    # The displacement of a coupling is 1 um for 1 mrad.
-    half = np.array([numbers[name].get("half_backlash", 1e-3 * numbers[name].get("half_play", 0.0)) / length
-                     for name in train.mesh_elements])
+    half = half_gaps(train)
     samples = min(_SAMPLES * int(max(train._outline["order"])), _MOST)
     phase = 2 * np.pi * np.arange(samples)[:, np.newaxis] / samples
 

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.box import described
-from .._core.description import Description
+from .._core.description import Description, contact_words, load_signs, part_names
 from .._core.extras import extra
 from .._core.units import hertz_of, in_own_unit, length_unit, speed_of, units_of
 from ..errors import InputError
-from ..plots.captions import caption, first_quantity, force_unit, is_drawn
+from ..plots.captions import caption, first_quantity, force_unit, force_words, is_drawn
 from ..plots.schematic import draw_schematic, figure_size
 from ..results.campbell import exciting_orders
 from ..results.curve import Between, is_slope, position, value_at
@@ -30,8 +30,9 @@ from .page_pack import Block
 
 __all__ = ["ALONG", "quantities", "shown_results"]
 
-#: What quantities have a column for, in words for several. Couplings stand among the meshes.
-ALONG = {"mesh": "meshes", "shaft": "shafts", "held": "held bodies", "planet": "planets"}
+#: What quantities have a column for, in words for several. Displacements of couplings and bearings stand among the meshes.
+ALONG = {"mesh": "meshes", "shaft": "shafts", "coupling": "couplings", "bearing axis": "bearings", "held": "held bodies",
+         "planet": "planets"}
 
 Array = NDArray[np.float64]
 
@@ -55,9 +56,9 @@ def quantities(force: str = "N") -> dict[str, dict[str, str]]:
     """
     about = described()["/response"].about
     found = {
-        name: {"along": dimensions[1], "unit": force if unit == "N" else unit, "words": caption(name)}
+        name: {"along": along, "unit": force if name == "mesh_force_maximum" else unit, "words": caption(name)}
         for name, (dimensions, unit, _) in about.items()
-        if len(dimensions) == 2 and dimensions[1] in ALONG and not is_slope(name)
+        if (along := " ".join(dimensions[1:])) in ALONG and not is_slope(name)
     }
     return {**found, "peak_to_peak": {**found["maximum"], "words": caption("peak_to_peak")}}
 
@@ -119,7 +120,9 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
         "length": train._outline["characteristic_length"],
         "lengthUnit": length_unit(train).strip(" []"),
         "forceUnit": force_unit(train),
+        "forceWords": force_words(train),
         "parts": _parts(train),
+        "elements": list(train.mesh_elements),
         "laws": laws,
         "forces": forces,
         "slowest": min((order.order for order in exciting_orders(train)), default=1),
@@ -136,12 +139,10 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
 
 def _parts(train: Description) -> dict[str, list[str]]:
     """Names of what quantities have a column for."""
-    return {
-        "mesh": list(train.mesh_labels),
-        "shaft": list(train.shaft_labels),
-        "held": [body.name or f"body {number}" for number, body in enumerate(train.bodies, 1) if body.held],
-        "planet": list(train.planet_labels),
-    }
+    counts = {"mesh": len(train.mesh_labels), "shaft": len(train.shaft_labels), "coupling": len(train.couplings),
+              "bearing axis": 2 * len(train.bearings), "held": sum(bool(body.held) for body in train.bodies or ()),
+              "planet": len(train.planet_labels)}
+    return {along: list(part_names(train, along, counts[along])) for along in ALONG}
 
 
 def _train_of(parts: Iterable[Any]) -> Description:
@@ -171,12 +172,12 @@ def _of_branch(branch: Any, first: bool, block: Block, every: int) -> dict[str, 
         return {**{name: value_at(curve, where) for name, curve in curves.items()}, "rms": rms, "true_ac_rms": rms / np.sqrt(2)}
 
     known = branch.stable is not None
-    meshes = range(1, branch.rms.shape[1] + 1)
     ranges = [
-        [mesh - 1, what, float(low), float(high)]
-        for mesh in meshes
-        for what, found in (("apart", branch.separation_ranges(mesh, known)), ("back", branch.back_collision_ranges(mesh, known)))
-        for low, high in found
+        [mesh, what, float(low), float(high), words]
+        for what, of, ranges_of in (("apart", "separation", branch.separation_ranges),
+                                    ("back", "back collision", branch.back_collision_ranges))
+        for mesh, words in contact_words(branch.train, range(branch.rms.shape[1]), of).items()
+        for low, high in ranges_of(mesh + 1, known)
     ]
     return {
         **_points(arrays, block, every),
@@ -249,8 +250,9 @@ def _points(arrays: Mapping[str, Any], block: Block, every: int) -> dict[str, An
 
 def _quantity(arrays: Mapping[str, Any], name: str) -> Array:
     """The values of a quantity."""
-    values: Array = arrays["maximum"] - arrays["minimum"] if name == "peak_to_peak" else arrays[name]
-    return values
+    values: Array = arrays["maximum"] - arrays["minimum"] if name == "peak_to_peak" else np.asarray(arrays[name])
+    # x and y of the bearings side by side.
+    return values.reshape(len(values), -1) if values.ndim > 2 else values
 
 
 def _seen(coefficients: Array) -> Array:
@@ -277,11 +279,8 @@ def _laws(train: Description, branches: Sequence[Any], settled: Sequence[Any]) -
     if not tried:
         return [], ""
     laws = force_laws(train, float(tried[0][1][0]))
-    numbers = train.explain()
     off = []
-    for mesh, law in enumerate(laws):
-        about = numbers[train.mesh_elements[mesh]]
-        sign = -1.0 if about.get("mean_force", about.get("mean_torque", 0.0)) < 0 else 1.0
+    for mesh, (law, sign) in enumerate(zip(laws, load_signs(train))):
         if any(largest_difference(law, mesh, sign, *values) > most for most, *values in tried):
             off.append(mesh)
     words = ", ".join(train.mesh_elements[mesh] for mesh in off)
@@ -325,8 +324,9 @@ def _largest(branch: Any, place: int) -> tuple[str, dict[str, list[Any]], list[l
     arrays, train = branch.arrays(), branch.train
     counts = np.ones(len(branch), bool) if branch.stable is None or not branch.stable.any() else branch.stable
     torque = arrays.get("shaft_torque_maximum")
-    parts = [(label, "N", arrays["mesh_force_maximum"][:, mesh], arrays["dynamic_factor"][:, mesh])
-             for mesh, label in enumerate(train.mesh_labels)]
+    parts = [(label, "N m" if element.startswith("coupling") else "N", arrays["mesh_force_maximum"][:, mesh],
+              arrays["dynamic_factor"][:, mesh])
+             for mesh, (label, element) in enumerate(zip(train.mesh_labels, train.mesh_elements))]
     if torque is not None:
         both = np.maximum(torque, -arrays["shaft_torque_minimum"])
         parts += [(label, "N m", both[:, shaft], None) for shaft, label in enumerate(train.shaft_labels)]

@@ -5,7 +5,9 @@ from __future__ import annotations
 from .._core.description import Description
 from .._core.units import units_of
 
-__all__ = ["CAPTIONS", "LENGTHS", "caption", "first_quantity", "force_unit", "is_drawn", "motion_words", "number_words"]
+__all__ = [
+    "CAPTIONS", "LENGTHS", "caption", "first_quantity", "force_unit", "force_words", "is_drawn", "motion_words", "number_words",
+]
 
 #: Of fields with a column for each mesh or shaft, and of what pictures compute from them.
 CAPTIONS = {
@@ -29,6 +31,17 @@ CAPTIONS = {
     "reaction_torque_minimum": "smallest torque of the support",
     "reaction_torque_maximum": "largest torque of the support",
     "reaction_torque_mean": "mean torque of the support",
+    "reaction_torque": "torque of the support, smallest to largest",
+    "coupling_torque": "coupling torque, smallest to largest",
+    "coupling_torque_minimum": "smallest coupling torque",
+    "coupling_torque_maximum": "largest coupling torque",
+    "coupling_torque_mean": "mean coupling torque",
+    "coupling_energy_loss": "energy loss of the coupling in a period of the fundamental",
+    "bearing_force": "bearing force, smallest to largest",
+    "bearing_force_minimum": "smallest bearing force",
+    "bearing_force_maximum": "largest bearing force",
+    "bearing_force_mean": "mean bearing force",
+    "bearing_force_rms": "true rms of the bearing force without its mean",
 }
 #: Displacements of meshes, over the characteristic length.
 LENGTHS = ("rms", "true_ac_rms", "peak_to_peak", "mean", "minimum", "maximum")
@@ -48,6 +61,11 @@ def is_drawn(train: Description | None) -> bool:
 def force_unit(train: Description | None) -> str:
     """Unit of the force of meshes, after which the couplings stand with their torque."""
     return "N, of couplings N m" if train is not None and train.couplings else "N"
+
+
+def force_words(train: Description | None) -> str:
+    """What the force of meshes is called, after which those of bearings stand."""
+    return "mesh or bearing force" if train is not None and train.bearings else "mesh force"
 
 
 def first_quantity(train: Description | None) -> str:

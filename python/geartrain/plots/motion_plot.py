@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.description import Description, mesh_names
+from .._core.description import Description, half_gaps, part_names
 from .._core.units import Unit, Units, units_of
 from ..errors import InputError, shown
 from ..results.campbell import exciting_orders
 from ..results.motion_check import check_motion
 from ..results.orders import named_orders
 from ..results.trajectory import Trajectory
-from .captions import force_unit, motion_words
+from .captions import force_unit, force_words, motion_words
 from .draw import DASHES, MARKERS, check_number, draw_lines, draws, line_style, new_axes, put_legend
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class Pictures:
         """The motion over a number of periods."""
         raise NotImplementedError
 
-    def spectrum(self) -> tuple[Array, Array]:
+    def spectrum(self, what: str = "displacement") -> tuple[Array, Array]:
         """Orders and amplitudes."""
         raise NotImplementedError
 
@@ -67,9 +67,9 @@ class Pictures:
     @draws
     def plot(
         self, mesh: int | None = None, axes: Sequence[Axes] | None = None, *, periods: float | None = None,
-        unit: Unit | None = None, **style: Any,
+        spectrum: str = "displacement", unit: Unit | None = None, **style: Any,
     ) -> Sequence[Axes]:
-        """Draw the time history of the displacement and of the mesh force, and the spectrum of the displacement.
+        """Draw the time history of displacement and force, and a spectrum: of meshes, couplings and bearings.
 
         The legend names the speed. Where meshes have different orders, or bodies their revolutions, the largest lines of the
         spectrum have names.
@@ -77,13 +77,15 @@ class Pictures:
         Parameters
         ----------
         mesh : int, optional
-            Which mesh, counted from 1; all of them unless told.
+            Which mesh, coupling or direction of a bearing, counted from 1 in the order of ``mesh_labels``; all unless told.
         axes : three of matplotlib.axes.Axes, optional
             Where to draw displacement, force and spectrum; a new figure unless told.
         periods : float, optional
             Periods of the fundamental, 0.1 for a tenth of one. Unless told a period of the motion, or 16 where it has none; of a
             train whose slowest excitation has an order n > 1, as one with hunting teeth, not more than 4/n, or 16/n: a few tooth
             periods.
+        spectrum : {'displacement', 'mesh_force'}
+            Of what the spectrum is.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Lambda: time in periods of the fundamental, orders in its multiples. rpm: time in ms, orders in multiples of the speed.
             Hz: time in ms, the spectrum over the frequency. Unless told rpm where Lambda is the speed in rpm, else Lambda.
@@ -107,9 +109,11 @@ class Pictures:
         if len(axes) < 3:
             raise InputError(f"axes = {shown(axes)}: must be three axes of matplotlib")
         style = line_style(style)
-        names = mesh_names(self.train, len(self.rms))
+        names = part_names(self.train, "mesh", len(self.rms))
         time = history.time[part] * self._time_factor(units)
-        order, amplitude = self.spectrum()
+        if spectrum not in ("displacement", "mesh_force"):
+            raise InputError(f"spectrum = {shown(spectrum)}: must be 'displacement' or 'mesh_force'")
+        order, amplitude = self.spectrum(spectrum)
         visible = (amplitude > _VISIBLE * amplitude.max(initial=0.0)).any(axis=1)
         places = order * self._order_factor(units)
         for row, column in enumerate(chosen):
@@ -125,9 +129,9 @@ class Pictures:
             axes[2].set_ylim(0, 1.1 * amplitude[:, chosen].max())
             self._name_lines(axes[2], order, places, amplitude[:, chosen].max(axis=1))
         axes[0].set_ylabel(f"displacement {units.length}")
-        axes[1].set_ylabel(f"mesh force  [{force_unit(self.train)}]")
+        axes[1].set_ylabel(f"{force_words(self.train)}  [{force_unit(self.train)}]")
         axes[1].set_xlabel(units.time)
-        axes[2].set_ylabel(f"amplitude {units.length}")
+        axes[2].set_ylabel(f"amplitude {units.length}" if spectrum == "displacement" else f"amplitude  [{force_unit(self.train)}]")
         turns = f"order, per revolution of {self.train.speed_name}" if self.train is not None else ""
         axes[2].set_xlabel({"Lambda": r"order, multiples of $\Lambda$", "rpm": turns, "Hz": "frequency  [Hz]"}[units.unit])
         for ax in axes[:2]:
@@ -199,7 +203,8 @@ class Pictures:
         self._chosen(mesh)
         path = self.trajectory(periods, samples=samples)
         ax = new_axes(ax)
-        ax.set_xlabel(f"displacement of {mesh_names(self.train, len(self.rms))[mesh - 1]} {units.length}")
+        name = part_names(self.train, "mesh", len(self.rms))[mesh - 1]
+        ax.set_xlabel(f"displacement of {name} {units.length}")
         ax.set_ylabel(f"velocity {units.velocity}")
         ax.set_title(self._words(), fontsize="medium")
         return ax, path, units
@@ -207,8 +212,7 @@ class Pictures:
     def _with_gap(self, ax: Axes, mesh: int) -> Axes:
         """The gap of a mesh in grey, as far as the motion comes near it."""
         if self.train is not None:
-            numbers = self.train.explain()
-            half = numbers[f"mesh {mesh}"]["half_backlash"] / numbers["train"]["characteristic_length"]
+            half = half_gaps(self.train)[mesh - 1]
             ends = ax.get_xlim()
             ax.axvspan(-half, half, color="0.92", zorder=0)
             ax.set_xlim(ends)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.box import described
-from .._core.description import Description, mesh_names, planet_names, shaft_names
+from .._core.description import Description, contact_words, part_names
 from .._core.units import Unit, Units, units_of
 from ..errors import InputError, shown
 from ..results.curve import Between, is_slope, position, value_at
@@ -38,12 +38,18 @@ _BREAK = "\n("
 #: What the legend says of a speed from which on no motion of the branch is stable nearby.
 _SWITCH = "switches to another vibration"
 #: Short names for fields that are drawn together.
-_TOGETHER = {"mesh_force": ("mesh_force_maximum",), "shaft_torque": ("shaft_torque_minimum", "shaft_torque_maximum")}
+_TOGETHER = {
+    "mesh_force": ("mesh_force_maximum",),
+    **{name: (f"{name}_minimum", f"{name}_maximum")
+       for name in ("shaft_torque", "reaction_torque", "coupling_torque", "bearing_force")},
+}
+#: Dimensions beside the points that fields which are drawn have.
+_PARTS = ("mesh", "shaft", "held", "planet", "coupling", "bearing axis")
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is drawn over speed: fields of the points that have a column for each mesh or for each shaft."""
+    """What is drawn over speed: fields of the points that have a column for each mesh, shaft, ...; two for each bearing."""
 
     name: str
     along: str
@@ -58,9 +64,10 @@ class Quantity:
         if name is None:
             name = first_quantity(train)
         about = described()[path].about
-        columns = {field: row[0][1] for field, row in about.items()
-                   if len(row[0]) == 2 and row[0][1] in {"mesh", "shaft", "planet"} and not is_slope(field)}
-        there = {field: values for field in columns if (values := get(field)) is not None}
+        columns = {field: along for field, row in about.items()
+                   if (along := " ".join(row[0][1:])) in _PARTS and not is_slope(field)}
+        there = {field: values.reshape(len(values), int(np.prod(values.shape[1:])))
+                 for field in columns if (values := get(field)) is not None}
         if {"minimum", "maximum"} <= {*there}:
             there["peak_to_peak"] = there["maximum"] - there["minimum"]
             columns["peak_to_peak"], about = columns["maximum"], {**about, "peak_to_peak": about["maximum"]}
@@ -68,10 +75,8 @@ class Quantity:
         if not isinstance(name, str) or name not in known:
             raise InputError(f"quantity = {shown(name)}: must be {', '.join(map(repr, known))}")
         first = known[name][0]
-        number = there[first].shape[1]
-        named = {"mesh": mesh_names, "shaft": shaft_names, "planet": planet_names}[columns[first]]
-        names = named(train, number)
-        unit = force_unit(train) if about[first][1] == "N" else about[first][1]
+        names = part_names(train, columns[first], there[first].shape[1])
+        unit = force_unit(train) if first == "mesh_force_maximum" else about[first][1]
         return cls(name, columns[first], unit, names, known[name], [there[field] for field in known[name]])
 
     def label(self, units: Units) -> str:
@@ -84,24 +89,27 @@ class Quantity:
     @property
     def from_zero(self) -> bool:
         """Whether its axis begins at zero: sizes do, but no ranges and no positions."""
-        return len(self.values) == 1 and self.along == "mesh" and self.name not in {"mean", "minimum", "maximum"}
+        if self.along != "mesh":
+            return self.name in {"bearing_force_rms", "coupling_energy_loss"}
+        return len(self.values) == 1 and self.name not in {"mean", "minimum", "maximum"}
 
     def are_unequal(self, parts: Sequence[Array]) -> bool:
         """Whether parts with these values are drawn each in a panel of its own."""
         is_share = self.unit == "1" and self.name not in LENGTHS
-        return not is_share and are_unequal(parts, ranges=self.along == "shaft")
+        return not is_share and are_unequal(parts, ranges=self.along not in {"mesh", "planet"})
 
-    def chosen(self, mesh: int | None, shaft: int | None) -> Sequence[int]:
-        """Columns to draw: the mesh or the shaft asked for, or all that have values."""
-        asked = {"mesh": mesh, "shaft": shaft}
-        number = asked.pop(self.along, None)
+    def chosen(self, **asked: int | None) -> Sequence[int]:
+        """Columns to draw: those of the mesh, shaft, ... asked for by its number, or all that have values."""
+        along = self.along.split()[0]
+        number = asked.pop(along, None)
         if any(other is not None for other in asked.values()):
-            raise InputError(f"quantity = {shown(self.name)}: is of each {self.along}, and of no other part")
+            raise InputError(f"quantity = {shown(self.name)}: is of each {along}, and of no other part")
         if number is not None:
-            check_number(self.along, number, len(self.names))
-            return [number - 1]
+            each = 2 if along == "bearing" else 1
+            check_number(along, number, len(self.names) // each)
+            return range(each * (number - 1), each * number)
         # The torque of a rigid shaft is not known: NaN throughout.
-        known = [self.along != "shaft" or not np.isnan(self.values[0][:, column]).all() for column in range(len(self.names))]
+        known = [self.along == "mesh" or not np.isnan(self.values[0][:, column]).all() for column in range(len(self.names))]
         return [column for column, there in enumerate(known) if there]
 
 
@@ -123,25 +131,27 @@ class Curves(Readings):
     @draws
     def plot(
         self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str | None = None, shaft: int | None = None,
-        unit: Unit | None = None, jumps: bool = False, ranges: bool = False, **style: Any,
+        coupling: int | None = None, bearing: int | None = None, unit: Unit | None = None, jumps: bool = False,
+        ranges: bool = False, **style: Any,
     ) -> Axes:
         """Draw a quantity over the speed: stable solid, unstable dashed; ``branches`` thinner.
 
         A picture on axes of its own, or on empty axes, is scaled to the stable motions that repeat after one period, and says where
-        stable motions lie beyond. Shafts or meshes too unequal for one picture have panels one below another, of which the
+        stable motions lie beyond. Parts too unequal for one picture have panels one below another, of which the
         uppermost is returned. What a response that ended early has not computed is hatched, and the legend says why.
 
         Parameters
         ----------
-        mesh, shaft : int, optional
-            Which one, counted from 1; all of them unless told.
+        mesh, shaft, coupling, bearing : int, optional
+            Which one, counted from 1; all of them unless told. A bearing has a curve for x and one for y.
         ax : matplotlib.axes.Axes, optional
             Where to draw; a new figure unless told.
         quantity : str, optional
-            A field with a column for each mesh or for each shaft, such as ``'rms'`` (of the paper), ``'true_ac_rms'``,
-            ``'dynamic_factor'``, ``'mesh_force_maximum'``; ``'load_share'`` of each planet; ``'mesh_force'`` in short,
-            ``'shaft_torque'`` for smallest and largest torque, ``'peak_to_peak'`` of the displacement. Default:
-            ``'shaft_torque'`` with ``shaft``, ``'mesh_force'`` where Lambda is the speed in rpm, else ``'rms'``.
+            A field with a column for each mesh, shaft, coupling, bearing, held body or planet, such as ``'rms'`` (of the paper),
+            ``'true_ac_rms'``, ``'dynamic_factor'``, ``'mesh_force_maximum'``, ``'bearing_force_rms'``, ``'load_share'``;
+            ``'mesh_force'`` in short, ``'shaft_torque'``, ``'coupling_torque'``, ``'bearing_force'``, ``'reaction_torque'`` for
+            smallest and largest value, ``'peak_to_peak'`` of the displacement. Default: the one of the part asked for, else
+            ``'mesh_force'`` where Lambda is the speed in rpm, else ``'rms'``.
         unit : {'Lambda', 'rpm', 'Hz'}, optional
             Of the frequency of a branch over frequency; unless told rpm where Lambda is the speed in rpm, else Lambda.
         jumps : bool
@@ -165,11 +175,11 @@ class Curves(Readings):
             raise InputError(f"unit = {shown(unit)}: this branch goes over {self.parameter_name}, not over frequency")
         units = units_of(self.train, unit)
         factor = 1.0 if self.parameter_name else units.per_lambda
-        if quantity is None and shaft is not None:
-            quantity = "shaft_torque"
+        parts = {"mesh": mesh, "shaft": shaft, "coupling": coupling, "bearing": bearing}
+        quantity = _quantity_of(quantity, parts)
         curves = [Quantity.of(quantity, branch.train, "/response", partial(_field, branch)) for branch in (self, *self.branches)]
         smooth = [Between(branch) for branch in (self, *self.branches)]
-        columns = curves[0].chosen(mesh, shaft)
+        columns = curves[0].chosen(**parts)
         settled = self._settled(curves, columns)
         own, split = ax is None, ax is None and curves[0].are_unequal(settled)
         # Axes that hold nothing yet are scaled as a picture of its own is; what others have drawn keeps its scale.
@@ -332,16 +342,19 @@ class Curves(Readings):
 
         known = self.stable is not None
         row, keys = 0, Keys()
+        separation, collision = (contact_words(self.train, rows, what) for what in ("separation", "back collision"))
+        elements = self.train.mesh_elements if isinstance(self.train, Description) else [f"mesh {column + 1}" for column in rows]
         for column, color in rows.items():
-            apart, behind = self.separation_ranges(column + 1, known), self.back_collision_ranges(column + 1, known)
+            apart = self.separation_ranges(column + 1, known)
+            behind = self.back_collision_ranges(column + 1, known) if column in collision else np.empty((0, 2))
             bottom = 1.0 + panels * (0.012 + 0.026 * row)
             if not len(apart) and not len(behind):
                 continue
             row += 1
             if names:
-                ax.annotate(f"mesh {column + 1}", (1.0, bottom + 0.01 * panels), (3, 0), xycoords="axes fraction",
+                ax.annotate(elements[column], (1.0, bottom + 0.01 * panels), (3, 0), xycoords="axes fraction",
                             textcoords="offset points", va="center", fontsize=6)
-            for ends, alpha, name in ((apart, 0.35, "teeth separate"), (behind, 1.0, "back flanks collide")):
+            for ends, alpha, name in ((apart, 0.35, separation[column]), (behind, 1.0, collision.get(column, ""))):
                 for low, high in factor * ends:
                     ax.axvspan(low, high, bottom, bottom + 0.02 * panels, color=color, alpha=alpha, linewidth=0, clip_on=False)
                 patch = Patch(color=color, alpha=alpha, linewidth=0)
@@ -351,21 +364,21 @@ class Curves(Readings):
 
 
 def plot_visits(
-    motions: Any, train: Description | None, mesh: int | None, ax: Axes | None, quantity: str | None, shaft: int | None,
+    motions: Any, train: Description | None, ax: Axes | None, quantity: str | None, parts: Mapping[str, int | None],
     unit: Unit | None, style: dict[str, Any],
 ) -> Axes:
     """Draw a quantity of the motions of a sweep, see `Sweep.plot`."""
     units = units_of(train, unit)
-    curve = Quantity.of(quantity, train, "/integration", lambda name: _column(motions, name))
-    columns = curve.chosen(mesh, shaft)
-    parts = [np.concatenate([values[:, column] for values in curve.values]) for column in columns]
-    own_axes, split = ax is None, ax is None and curve.are_unequal(parts)
+    curve = Quantity.of(_quantity_of(quantity, parts), train, "/integration", lambda name: _column(motions, name))
+    columns = curve.chosen(**parts)
+    drawn = [np.concatenate([values[:, column] for values in curve.values]) for column in columns]
+    own_axes, split = ax is None, ax is None and curve.are_unequal(drawn)
     axes = new_panels(ax, [curve.names[column] for column in columns], split)
     style = line_style(style)
     label = style.pop("label", None)
     ways = np.array(motions.direction, object)
     frequency = units.per_lambda * motions.frequency
-    for column, part, ax in zip(columns, parts, axes):
+    for column, part, ax in zip(columns, drawn, axes):
         color: dict[str, Any] = {"color": COLORS[column % len(COLORS)]} if split else {}
         name = None if split else label or curve.names[column]
         for way in dict.fromkeys(motions.direction):
@@ -388,6 +401,14 @@ def plot_visits(
     if axes[0].get_legend_handles_labels()[0]:
         put_legend(axes[0], own_axes)
     return axes[0]
+
+
+def _quantity_of(quantity: str | None, parts: Mapping[str, int | None]) -> str | None:
+    """The quantity asked for; where only a part is, its torque or force."""
+    if quantity is not None:
+        return quantity
+    own = {"shaft": "shaft_torque", "coupling": "coupling_torque", "bearing": "bearing_force"}
+    return next((name for part, name in own.items() if parts[part] is not None), None)
 
 
 def _field(branch: Any, name: str) -> Array | None:

@@ -62,6 +62,12 @@ def carried_by(train: Description) -> list[tuple[int, int]]:
     return list(found)
 
 
+def bearings_under(train: Description) -> dict[int, int]:
+    """Numbers of the bearings, by the places of their bodies in `Description.body_labels`."""
+    bodies = train.body_labels
+    return {bodies.index(bearing.body): number for number, bearing in enumerate(train.bearings, 1) if bearing.body}
+
+
 def places_of(bodies: int, joints: Sequence[Joint], first: int = 0) -> Array:
     """Where to draw the bodies, (bodies, 2): in columns by the number of joints from the first one.
 
@@ -132,6 +138,7 @@ def draw_schematic(
         _draw_joint(ax, joint, places, sizes, _words(joint, train, numbers) if strength is None else "", share)
     from matplotlib.patches import Circle
 
+    bearings = bearings_under(train)
     for body, name in enumerate(bodies):
         color = "white" if body_color is None else body_color[body]
         gear = any(body in joint.ends and joint.is_mesh for joint in joints)
@@ -140,10 +147,12 @@ def draw_schematic(
         told = numbers.get(name, {}).get("turns")
         turns = "" if told is None else "\n1 turn" if told == 1 else f"\n{told:.4g} turns"
         rate = f"\n{told * speed:.4g} rpm" if told is not None and speed is not None else turns
+        if body in bearings:
+            rate += "\n" + _draw_bearing(ax, places[body], sizes[body], bearings[body], strength)
         ax.annotate(name + rate, (places[body][0], places[body][1] - sizes[body]), (0, -3), textcoords="offset points", ha="center",
                     va="top", fontsize=8, zorder=4, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8})
     ax.set_xlim(places[:, 0].min() - 0.8, places[:, 0].max() + 0.8)
-    ax.set_ylim(places[:, 1].min() - 0.95, places[:, 1].max() + 0.6)
+    ax.set_ylim(places[:, 1].min() - (1.1 if bearings else 0.95), places[:, 1].max() + 0.6)
     ax.set_aspect("equal")
     ax.set_axis_off()
     return ax
@@ -189,6 +198,21 @@ def _words(joint: Joint, train: Description, numbers: Mapping[str, Mapping[str, 
         return f"{joint.element}\n" + " : ".join(f"{float(number):g}" for number in np.atleast_1d(teeth))
     driving, driven = told["base_radius"]
     return f"{joint.element}\n1 : {driven / driving:.4g}"
+
+
+def _draw_bearing(ax: Axes, place: Array, size: float, number: int, strength: Mapping[str, float] | None) -> str:
+    """A bearing as a ring of balls in the middle of its body, of the colour of joints; gives its words."""
+    from matplotlib.patches import Circle
+
+    share = None if strength is None else sum(part for name, part in strength.items() if name.startswith(f"bearing {number} "))
+    color = "0.45" if share is None else COLORS[3]
+    thickness = 1.0 if share is None else 0.5 + 4.5 * share
+    for radius in (0.34 * size, 0.66 * size):
+        ax.add_patch(Circle(tuple(place), radius, facecolor="none", edgecolor=color, linewidth=thickness, zorder=4))
+    turns = 2 * np.pi * np.arange(8) / 8
+    for ball in place + 0.5 * size * np.stack([np.cos(turns), np.sin(turns)], axis=1):
+        ax.add_patch(Circle(tuple(ball), 0.12 * size, facecolor=color, edgecolor="none", zorder=4))
+    return f"bearing {number}" + (f": {100 * share:.3g} %" if share is not None and share >= 0.005 else "")
 
 
 def _draw_joint(ax: Axes, joint: Joint, places: Array, sizes: Array, words: str, share: float | None) -> None:

@@ -24,11 +24,15 @@ _MESH = {"contact_ratio": "contact ratio", "overlap_ratio": "overlap ratio", "ce
          "single_stiffness": "single stiffness c'",
          "mesh_stiffness": "mesh stiffness c_gamma_alpha", "stiffness": "stiffness", "half_backlash": "half backlash",
          "damping": "damping", "mean_force": "mean force", "order": "order"}
+#: Pictures of the response beside the first, and their quantities.
+_OTHERS = {"Torques of shafts": "shaft_torque", "Torques of couplings": "coupling_torque", "Forces of bearings": "bearing_force"}
 _GIVEN = {"teeth": "teeth", "normal_module": "normal module", "helix_angle": "helix angle", "face_width": "face width",
           "profile_shift": "profile shifts"}
 
+_RIGID = "Bearings and housing: the axes stand still, bodies turn only. Bending of shafts and tilting of gears are left out."
+_ON_BEARINGS = ("Housing and gyroscopic moments: bodies on bearings move in their transverse plane, all other axes stand still. "
+                "Bending of shafts and tilting of gears are left out.")
 _LEFT_OUT = [
-    "Bearings and housing: the axes stand still, bodies turn only. Bending of shafts and tilting of gears are left out.",
     "Friction between teeth, churning and windage, temperature.",
     "Corrections of flanks and the load over the face width, beyond the mesh stiffness and transmission error given.",
     "The inertia of shafts, where no body has it.",
@@ -97,21 +101,21 @@ def _pictures(made: Document, results: Any) -> None:
     drawn: list[tuple[str, Any, dict[str, Any]]] = []
     if branch is not None:
         drawn.append(("Response", branch, {}))
-        drawn.append(("Torques of shafts", branch, {"quantity": "shaft_torque"}))
+        drawn += [(title, branch, {"quantity": quantity}) for title, quantity in _OTHERS.items()]
     elif results.integration:
         drawn.append(("Response by time integration", results.integration, {}))
     if results.run_up is not None:
         drawn.append(("Run-up", results.run_up, {}))
     for title, part, asked in drawn:
-        if title == "Torques of shafts" and not _has_torque(part):
+        if title in _OTHERS and not _is_there(part, f"{_OTHERS[title]}_maximum"):
             continue
         made.heading(title)
         made.picture(_figure(part.plot(**asked)), title)
 
 
-def _has_torque(branch: Any) -> bool:
-    torque = getattr(branch, "shaft_torque_maximum", None)
-    return torque is not None and np.size(torque) > 0 and bool(np.isfinite(torque).any())
+def _is_there(branch: Any, name: str) -> bool:
+    values = getattr(branch, name, None)
+    return values is not None and np.size(values) > 0 and bool(np.isfinite(values).any())
 
 
 def _figure(axes: Any) -> Any:
@@ -254,7 +258,7 @@ def _number(value: Any) -> str:
 
 def _left_out(made: Document, train: Description | None) -> None:
     made.heading("What is not modelled")
-    made.listed(_LEFT_OUT)
+    made.listed([_ON_BEARINGS if train is not None and train.bearings else _RIGID, *_LEFT_OUT])
     notes = getattr(train, "notes", ())
     if notes:
         made.heading("Notes on the file that the train was read from")

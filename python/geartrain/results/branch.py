@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .._core.box import Box, Group, described
 from .._core.dataset import dataframe, dataset
-from .._core.description import Description, mesh_names, planet_names, shaft_names
+from .._core.description import Description, part_labels
 from .._core.parameter import with_values
 from .._core.units import Unit, frequency_words, hertz_of, in_own_unit, lambda_of, length_unit, speed_of
 from .._core.watch import watched
@@ -348,11 +348,8 @@ class Branch(Curves):
         """
         names = ("ended", "complete", "closed", "subharmonic")
         attributes = {name: getattr(self, name) for name in names} | ({"origin": self.origin} if self.origin else {})
-        torque = self.arrays().get("shaft_torque_mean")
         values = {
-            **self.arrays(), "true_ac_rms": self.true_ac_rms, "mesh_label": mesh_names(self.train, self.rms.shape[1]),
-            "shaft_label": None if torque is None else shaft_names(self.train, torque.shape[1]),
-            "planet_label": None if self.load_share is None else planet_names(self.train, self.load_share.shape[1]),
+            **self.arrays(), "true_ac_rms": self.true_ac_rms, **part_labels(self.train, self.arrays()),
             "speed": self.speed, "fundamental_frequency": self.fundamental_frequency,
         }
         if self.parameter_name:

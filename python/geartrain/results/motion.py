@@ -309,14 +309,20 @@ class Motion(Pictures, Recording):
         seconds = path.time * (self.frequency / (2 * np.pi * hertz))
         return seconds, channels_of(self.train, path.mesh_force, path.shaft_torque), own
 
-    def spectrum(self) -> tuple[Array, Array]:
-        """Amplitudes of the harmonics of the mesh displacement, those of ``coefficients``; the mean is left out.
+    def spectrum(self, what: str = "displacement") -> tuple[Array, Array]:
+        """Amplitudes of the harmonics of a displacement, force or torque; the mean is left out.
+
+        Parameters
+        ----------
+        what : {'displacement', 'mesh_force', 'shaft_torque', 'coupling_torque', 'bearing_force'}
+            The displacement of the meshes by its ``coefficients``; forces and torques by their samples.
 
         Returns
         -------
         order : ndarray, (harmonics,)
             In multiples of Lambda, hence 1/2, 1, 3/2, ... for a motion of period 2.
-        amplitude : ndarray, (harmonics, meshes)
+        amplitude : ndarray, (harmonics, meshes), (harmonics, shafts), ..., or (harmonics, bearings, 2)
+            Over the characteristic length, in N, or in N m.
 
         Examples
         --------
@@ -325,19 +331,30 @@ class Motion(Pictures, Recording):
         (array([1., 2., 3., 4., 5., 6.]), array([0.157, 0.376, 0.049, 0.004, 0.001, 0.   ]))
         """
         check_motion(self)
+        kinds = ("displacement", "mesh_force", "shaft_torque", "coupling_torque", "bearing_force")
+        if what not in kinds:
+            raise InputError(f"what = {shown(what)}: must be {', '.join(map(repr, kinds))}")
         cosine, sine = self.coefficients[:, 1::2], self.coefficients[:, 2::2]
-        order = np.arange(1, cosine.shape[1] + 1) / (self.period or self.window or _LONGEST)
-        return order, np.hypot(cosine, sine).T
+        whole = self.period or self.window or _LONGEST
+        if what == "displacement":
+            return np.arange(1, cosine.shape[1] + 1) / whole, np.hypot(cosine, sine).T
+        values = getattr(self, what)
+        amplitude = 2 * np.abs(np.fft.rfft(values, axis=0)[1:]) / len(values)
+        # Half of the lines: those above are of the corners of the force, which the samples do not resolve.
+        order = np.arange(1, len(amplitude) // 2 + 1) / whole
+        return order, amplitude[:len(order)]
 
-    def orders(self, least: float = 1e-3) -> Dataset:
+    def orders(self, least: float = 1e-3, what: str = "displacement") -> Dataset:
         """The orders of the motion with their owners, ``'2 x mesh 1 - 1 x pinion'``; needs xarray.
 
         Parameters
         ----------
         least : float
-            Amplitude below which an order is left out, over the largest amplitude of the mesh.
+            Amplitude below which an order is left out, over the largest amplitude of the mesh, shaft, ...
+        what : str
+            As in `spectrum`.
         """
-        return order_table(self, least)
+        return order_table(self, least, what)
 
     def refine(self) -> Motion:
         """The same orbit to integration accuracy (about 1e-11), by shooting with exact contact events.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._core.box import Box, Group
 from .._core.dataset import dataset
-from .._core.description import mesh_names, planet_names, shaft_names
+from .._core.description import part_labels
 from .._core.units import hertz_of, speed_of
 from ..errors import InputError
 from .motion_check import NUMBERS, OTHER_TORQUES, SHARES, TORQUES, UNCERTAINTIES, VALUES, check_motion
@@ -134,14 +134,8 @@ def motions_dataset(
     """Motions as the table of a group of the results file."""
     train, frequency = motions[0].train if motions else None, np.array([motion.frequency for motion in motions])
     values = as_columns(motions)
-    torque, share = values["shaft_torque_mean"], values["load_share"]
-    labels = {
-        "mesh_label": mesh_names(train, len(motions[0].rms)) if motions else None,
-        "shaft_label": None if torque is None else shaft_names(train, torque.shape[1]),
-        "planet_label": None if share is None else planet_names(train, share.shape[1]),
-    }
     speeds = {"speed": speed_of(train, frequency), "fundamental_frequency": hertz_of(train, frequency)}
-    return dataset(path, {**values, **labels, **speeds, **columns}, dict(attributes or {}), coordinates)
+    return dataset(path, {**values, **part_labels(train, values), **speeds, **columns}, dict(attributes or {}), coordinates)
 
 
 def _padded(rows: list[Any]) -> Array | None:

@@ -107,11 +107,11 @@ class Sweep(list[Motion]):
     @draws
     def plot(
         self, mesh: int | None = None, ax: Axes | None = None, *, quantity: str | None = None, shaft: int | None = None,
-        unit: Unit | None = None, **style: Any,
+        coupling: int | None = None, bearing: int | None = None, unit: Unit | None = None, **style: Any,
     ) -> Axes:
         """Draw a quantity over the speed: a triangle for each motion, upwards and full with rising, downwards with falling speed.
 
-        ``mesh``, ``ax``, ``quantity``, ``shaft``, ``unit`` and ``style`` are those of `Branch.plot`.
+        The keywords are those of `Branch.plot`.
 
         Examples
         --------
@@ -119,7 +119,8 @@ class Sweep(list[Motion]):
         >>> ax.get_ylabel()
         'largest mesh force  [N]'
         """
-        return plot_visits(self, self[0].train if self else None, mesh, ax, quantity, shaft, unit, style)
+        parts = {"mesh": mesh, "shaft": shaft, "coupling": coupling, "bearing": bearing}
+        return plot_visits(self, self[0].train if self else None, ax, quantity, parts, unit, style)
 
     def to_dataset(self) -> Dataset:
         """The motions as an xarray Dataset with the names, units and coordinates of the results file; needs xarray."""

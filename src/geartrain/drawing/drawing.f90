@@ -9,6 +9,7 @@ module geartrain_drawing_drawing
    use geartrain_base_variable, only: largest, smallest
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, gear_pair_type, light_load, pair_geometry_type, &
       pair_stiffness_type, rectangular_wave
+   use geartrain_train_bearing_rows, only: put_rows
    use geartrain_train_bodies, only: find_ends
    use geartrain_train_body, only: body_type, plain_torque
    use geartrain_train_gear_error, only: make_plain
@@ -57,6 +58,7 @@ contains
             call put_pair(train%meshes(i), plain%meshes(i))
          end if
       end do
+      call put_rows(plain%meshes)
    end subroutine plain_train
 
    !> Removes the dimensions of the gears from a plain train, whose radii, stiffnesses and inertias were derived from them:

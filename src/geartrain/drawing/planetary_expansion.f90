@@ -7,6 +7,7 @@ module geartrain_drawing_planetary_expansion
    use geartrain_base_numbers, only: integer_text, whole
    use geartrain_drawing_check_planetary, only: check_set
    use geartrain_drawing_planetary_meshes, only: planet_name, ring_lag, ring_meshes, set_type, sun_meshes
+   use geartrain_train_bearing_rows, only: add_rows
    use geartrain_train_body, only: body_type
    use geartrain_train_mesh, only: is_given, mesh_type
    use geartrain_train_planetary, only: planetary_type
@@ -28,7 +29,8 @@ module geartrain_drawing_planetary_expansion
 
 contains
 
-   !> Checks and expands the planetary sets of a train that a program made. `check_train` wants a train without them.
+   !> Checks and expands the planetary sets of a train that a program made, and adds rows of bearings with more than four flats.
+   !> `check_train` wants a train without sets, with all rows.
    subroutine expand_planetaries(train, error)
       !> The train; it then has no planetary sets.
       type(train_type), intent(inout) :: train
@@ -37,7 +39,10 @@ contains
       type(expansion_type) :: expansion
       integer :: i
 
-      if (.not. allocated(train%planetaries)) return
+      if (.not. allocated(train%planetaries)) then
+         if (allocated(train%meshes)) call add_rows(train%meshes)
+         return
+      end if
       do i = 1, size(train%planetaries)
          call visit_planetary(train%planetaries(i), i, checker)
       end do
@@ -45,7 +50,7 @@ contains
       call checker%problems%raise('', error)
    end subroutine expand_planetaries
 
-   !> Expands the planetary sets of a train. The range of each value is checked elsewhere.
+   !> Expands the planetary sets and the bearings of a train. The range of each value is checked elsewhere.
    subroutine expand_sets(train, checker, expansion)
       !> The train; it then has no planetary sets. A set with problems is left out.
       type(train_type), intent(inout) :: train
@@ -63,6 +68,7 @@ contains
       if (.not. allocated(train%shafts)) allocate (train%shafts(0))
       allocate (expansion%set_of_mesh(count(train%meshes%is_pair())), source=0)
       allocate (expansion%kind_of_mesh(size(expansion%set_of_mesh)), source=0)
+      call add_rows(train%meshes)
       if (.not. allocated(train%planetaries)) return
       call move_alloc(train%planetaries, sets)
       do i = 1, size(sets)

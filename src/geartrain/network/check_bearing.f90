@@ -5,6 +5,7 @@ module geartrain_network_check_bearing
    use geartrain_base_numbers, only: integer_text, real_text, text
    use geartrain_network_network, only: network_type
    use geartrain_network_nodes, only: join_rigid, nodes_type
+   use geartrain_train_bearing_rows, only: flats_known
    use geartrain_train_line_of_action, only: find_line, is_far, is_near, is_unplaced
    use geartrain_train_mesh, only: mesh_type
    use geartrain_train_mesh_groups, only: group_number
@@ -32,11 +33,33 @@ contains
             call checker%problems%add('has no direction y: new_bearing(2) stands behind new_bearing(1)', 'bearing', (n + 1)/2)
          if (.not. all(abs(meshes(i:min(i + 1, size(meshes)))%stiffness) > 0)) &
             call checker%lacks('stiffness', 'two values > 0 N/m, in the directions x and y')
+         call check_rows(meshes, i, checker)
       end if
       if (i == 1) return
       if (meshes(i)%axis == 2 .and. meshes(i - 1)%axis /= 1) &
          call checker%problems%add('has no direction x: new_bearing(1) stands before new_bearing(2)', 'bearing', 1)
    end subroutine check_bearing
+
+   !> A bearing with more than four flats is the same in all directions.
+   subroutine check_rows(meshes, i, checker)
+      type(mesh_type), intent(in) :: meshes(:)
+      !> Number of the direction x among them.
+      integer, intent(in) :: i
+      class(checker_type), intent(inout) :: checker
+
+      associate (x => meshes(i), y => meshes(min(i + 1, size(meshes))))
+         if (.not. any(x%flats == flats_known)) then
+            call checker%complain('flats', integer_text(x%flats), 'must be 4, 8, 12, 16 or 24')
+         else if (x%flats > 4) then
+            if (.not. x%half_backlash > 0) call checker%complain('flats', integer_text(x%flats), &
+                                                                 'has no effect without half_clearance')
+            if (abs(x%stiffness - y%stiffness) > 0 .or. abs(x%damping - y%damping) > 0) call checker%complain('flats', &
+               integer_text(x%flats), 'needs equal stiffness, and equal damping, in the directions x and y')
+            if (count(meshes%axis > 2 .and. meshes%between(1) == x%between(1)) /= x%flats/2 - 2) &
+               call checker%problems%add('lacks its further rows: call expand_planetaries', 'bearing', group_number(meshes, i))
+         end if
+      end associate
+   end subroutine check_rows
 
    !> A bearing carries a body that turns and meshes, and no body has two.
    subroutine check_bodies_on_bearings(train, mesh_ends, carrier, checker)

@@ -5,6 +5,7 @@ module geartrain_network_elements
    use geartrain_linalg_rows, only: row_type
    use geartrain_network_nodes, only: nodes_type
    use geartrain_train_line_of_action, only: find_line
+   use geartrain_train_bearing_rows, only: row_direction
    use geartrain_train_bodies, only: bodies_of, body_count, find_carriers, find_ends
    use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
@@ -66,7 +67,7 @@ contains
          if (i > size(train%meshes)) cycle
          n = n + 1
          if (train%meshes(i)%axis > 0) then
-            call make_bearing(train%meshes(i), nodes%moves(train%meshes(i)%axis, mesh_ends(1, i)), i, elements(n))
+            call make_bearing(train%meshes(i), nodes%moves(:, mesh_ends(1, i)), i, elements(n))
             cycle
          end if
          call make_mesh(train, nodes, i, mesh_ends(:, i), inertia, elements(n))
@@ -191,16 +192,21 @@ contains
 
    end subroutine make_mesh
 
-   !> Makes one direction of a bearing.
-   pure subroutine make_bearing(bearing, node, i, element)
+   !> Makes one row of a bearing.
+   pure subroutine make_bearing(bearing, nodes, i, element)
       type(mesh_type), intent(in) :: bearing
-      !> Node of the displacement; number of the mesh.
-      integer, intent(in) :: node, i
+      !> Nodes of the displacements x and y; number of the mesh.
+      integer, intent(in) :: nodes(2), i
       type(element_type), intent(inout) :: element
 
       element%mesh = i
-      element%node = [node]
-      element%entry = [1.0_dp]
+      if (bearing%axis < 3) then
+         element%node = [nodes(bearing%axis)]
+         element%entry = [1.0_dp]
+      else
+         element%node = nodes
+         element%entry = row_direction(bearing)
+      end if
       call touch_ground(element)
       element%stiffness = bearing%stiffness
       element%damping = bearing%damping

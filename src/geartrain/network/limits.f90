@@ -205,8 +205,10 @@ contains
       end do
       do i = 1, size(train%meshes)
          associate (mesh => train%meshes(i))
+            if (mesh%axis > 2) cycle
             if (mesh%axis > 0) then
-               call check_element(frequency(i), 'bearing', 'stiffness', mesh%stiffness, 0.0_dp, .true., mesh%damping, &
+               call check_element(frequency(i), 'bearing', 'stiffness', mesh%stiffness/mesh%share, 0.0_dp, .true., &
+                                  mesh%damping/mesh%share, &
                                   'are mass and stiffness in SI units?')
                cycle
             else if (mesh%is_coupling) then

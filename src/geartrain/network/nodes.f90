@@ -59,7 +59,7 @@ contains
       allocate (nodes%moves(2, size(root)), source=0)
       do i = 1, size(train%meshes)
          associate (axis => train%meshes(i)%axis, body => mesh_ends(1, i))
-            if (axis == 0 .or. body == 0) cycle
+            if (axis == 0 .or. axis > 2 .or. body == 0) cycle
             number = number + 1
             nodes%moves(axis, body) = number
          end associate
@@ -79,7 +79,8 @@ contains
       end do
       do i = 1, size(train%meshes)
          associate (axis => train%meshes(i)%axis, body => mesh_ends(1, i))
-            if (axis > 0 .and. body > 0) nodes%inertia(nodes%moves(axis, body)) = train%meshes(i)%mass
+            if (axis == 0 .or. axis > 2 .or. body == 0) cycle
+            nodes%inertia(nodes%moves(axis, body)) = train%meshes(i)%mass
          end associate
       end do
       nodes%balancing = balancing

@@ -5,6 +5,7 @@
 module geartrain_network_torque_paths
    use geartrain_base_kinds, only: dp
    use geartrain_network_network, only: balance_torques, network_type
+   use geartrain_train_bearing_rows, only: row_direction
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
    use geartrain_train_mesh, only: coupling_radius
    use geartrain_train_train, only: train_type
@@ -58,7 +59,7 @@ contains
       held_body = pack([(i, i=1, size(held))], held)
       paths%held = size(held_body)
       ! Elements of the couplings and bearings, and torque or force per force of each.
-      coupling = pack([(n, n=1, size(train%meshes))], .not. train%meshes%is_pair())
+      coupling = pack([(n, n=1, size(train%meshes))], .not. train%meshes%is_pair() .and. train%meshes%axis < 3)
       radius = merge(coupling_radius, 1.0_dp, train%meshes(coupling)%is_coupling)
       coupling = [(findloc(network%elements%mesh, coupling(n), 1), n=1, size(coupling))]
       paths%shafts = size(train%shafts)
@@ -81,6 +82,7 @@ contains
          if (s > paths%shafts + paths%held) then
             paths%element = [paths%element, coupling(s - paths%shafts - paths%held)]
             paths%gain = [paths%gain, radius(s - paths%shafts - paths%held)]
+            if (s > paths%torques) call add_row_forces(train, network, coupling(s - paths%shafts - paths%held), paths)
          else if (s > size(element_of)) then
             call add_reaction(train, network, shaft_ends, held_body(s - size(element_of)), held, torque, torque_body, s, paths)
          else if (element_of(s) > 0) then
@@ -96,6 +98,26 @@ contains
       paths%torque_first(paths%rows + 1) = size(paths%torque) + 1
 
    end subroutine find_torque_paths
+
+   !> Adds to the force of a bearing in x or y those of its further rows in this direction.
+   pure subroutine add_row_forces(train, network, element, paths)
+      type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
+      !> Number of the element of the direction.
+      integer, intent(in) :: element
+      type(torque_paths_type), intent(inout) :: paths
+      real(dp) :: direction(2)
+      integer :: i
+
+      associate (row => train%meshes(network%elements(element)%mesh))
+         do i = 1, size(train%meshes)
+            if (train%meshes(i)%axis < 3 .or. train%meshes(i)%between(1) /= row%between(1)) cycle
+            direction = row_direction(train%meshes(i))
+            paths%element = [paths%element, findloc(network%elements%mesh, i, 1)]
+            paths%gain = [paths%gain, direction(row%axis)]
+         end do
+      end associate
+   end subroutine add_row_forces
 
    !> Adds what acts on the bodies of the node of a rigid shaft.
    pure subroutine add_rigid(train, network, torque_body, weight, paths)

@@ -6,6 +6,7 @@ module geartrain_report_explain_bearing
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text
    use geartrain_network_system, only: system_type
+   use geartrain_train_bearing_rows, only: row_direction
    use geartrain_train_bodies, only: find_ends
    use geartrain_train_line_of_action, only: find_line
    use geartrain_train_mesh_groups, only: group_number
@@ -28,7 +29,8 @@ contains
       !> Gets the fields.
       class(fields_type), intent(inout) :: fields
       real(dp), allocatable :: list(:)
-      real(dp) :: value
+      real(dp) :: value, corner
+      integer :: flats, k
 
       if (.not. fields%enter('bearing '//integer_text(group_number(train%meshes, i)), 'of '//trim(train%meshes(i)%between(1)), &
                              .true.)) return
@@ -37,13 +39,27 @@ contains
          call carry(fields, field_type('mass', '', 'kg', 'as given'), value)
          list = bearing%stiffness
          call carry(fields, field_type('stiffness', 'axis', 'N/m', 'x and y, as given'), list)
-         list = system%network%elements(system%mesh_element(i:i + 1))%damping
+         list = bearing%damping
          call carry(fields, field_type('damping', 'axis', 'N s/m', 'x and y'), list)
          value = bearing(1)%half_backlash
          call carry(fields, field_type('half_clearance', '', 'm', 'as given'), value)
       end associate
       list = system%static_force(system%mesh_element(i:i + 1))*system%load_unit(i:i + 1)
+      do k = i + 2, size(train%meshes)
+         if (train%meshes(k)%axis > 2 .and. train%meshes(k)%between(1) == train%meshes(i)%between(1)) &
+            list = list + system%static_force(system%mesh_element(k))*system%load_unit(k)*row_direction(train%meshes(k))
+      end do
       call carry(fields, field_type('mean_force', 'axis', 'N', 'x and y, static, from the mesh forces'), list)
+      if (.not. value > 0) return
+      flats = train%meshes(i)%flats
+      call carry(fields, field_type('flats', '', '', 'as given: so many springs in a ring, each with half_clearance'), flats)
+      corner = value/cos(pi/flats)
+      call carry(fields, field_type('corner_clearance', '', 'm', 'half_clearance/cos(180 degrees/flats), in the corners of the &
+         &polygon; that of a circle is half_clearance'), corner)
+      if (flats > 4 .or. .not. norm2(list) > 0) return
+      value = value*sum(abs(list))/norm2(list)
+      call carry(fields, field_type('loaded_clearance', '', 'm', 'play in the direction of the mean force: the flats of the &
+         &directions x and y are a square. The play of a circle is half_clearance in every direction'), value)
    end subroutine explain_bearing
 
    !> Adds the line of action of a mesh of which a body is on a bearing.

@@ -88,18 +88,17 @@ contains
       real(dp) :: h
 
       associate (balance => corrector%balance)
-         ! Newton's method evaluates the balance before its last step.
-         if (allocated(balance%path) .or. balance%unknowns < size(u, 2)) &
-            call balance%evaluate(solution%u, solution%frequency_ratio)
-         call balance%full_coefficients(solution%u, u)
          if (balance%unknowns < size(u, 2)) then
             h = difference
             if (.not. balance%reaches(solution%frequency_ratio + h*solution%tangent_frequency)) h = -h
             call balance%evaluate(solution%u + h*solution%tangent, solution%frequency_ratio + h*solution%tangent_frequency)
             call balance%full_coefficients(solution%u + h*solution%tangent, rate)
-            rate = (rate - u)/h
-            call balance%evaluate(solution%u, solution%frequency_ratio)
          end if
+         ! Newton's method evaluates the balance before its last step.
+         if (allocated(balance%path) .or. balance%unknowns < size(u, 2)) &
+            call balance%evaluate(solution%u, solution%frequency_ratio)
+         call balance%full_coefficients(solution%u, u)
+         if (balance%unknowns < size(u, 2)) rate = (rate - u)/h
          rate(:, balance%mesh) = solution%tangent
       end associate
    end subroutine find_rates

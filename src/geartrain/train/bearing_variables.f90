@@ -7,7 +7,7 @@ module geartrain_train_bearing_variables
    private
    public :: visit_bearing
 
-   real(dp), parameter :: zero = 0
+   real(dp), parameter :: zero = 0, one = 1
 
 contains
 
@@ -39,9 +39,12 @@ contains
       call put(list, bearing%damping, bearing(1)%damping, bearing(2)%damping)
       call v%on_real(row('half_clearance', 'm', 'half of the clearance in each direction; 0: none', least=zero), &
                      bearing(1)%half_backlash)
+      call v%on_integer(row('flats', '', 'flats of the clearance, 4, 8, 12, 16 or 24; above 4, of equal stiffness and damping in x &
+                            &and y, the clearance is nearly round', least=4*one, most=24*one), bearing(1)%flats)
       bearing(2)%between = bearing(1)%between
       bearing(2)%mass = bearing(1)%mass
       bearing(2)%half_backlash = bearing(1)%half_backlash
+      bearing(2)%flats = bearing(1)%flats
       call v%leave()
    end subroutine visit_bearing
 

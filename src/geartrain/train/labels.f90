@@ -1,6 +1,7 @@
 !> What results call bodies by, and shafts and meshes: by the bodies that they join, 'pinion - wheel', or in a chain 'shaft 1',
 !> 'mesh 1'. A mesh may have a name of its own.
 module geartrain_train_labels
+   use geartrain_train_bearing_rows, only: row_text
    use geartrain_train_bodies, only: body_count
    use geartrain_train_body, only: name_length
    use geartrain_train_mesh, only: mesh_type
@@ -78,7 +79,7 @@ contains
       character(label_length) :: name
 
       name = mesh%name
-      if (mesh%axis > 0) name = trim(mesh%between(1))//' bearing '//merge('x', 'y', mesh%axis == 1)
+      if (mesh%axis > 0) name = trim(mesh%between(1))//' bearing '//row_text(mesh)
    end function name_of
 
    !> Names of the bodies on bearings, (bearing).

@@ -90,11 +90,15 @@ module geartrain_train_mesh
       !> axis], in force when `line_given`; else by the positions of the axes.
       real(dp) :: line_of_action = 0
       logical :: line_given = .false.
-      !> Direction of a bearing, 1: x, 2: y; 0: no bearing. Bearings stand after the couplings, x before y. Their variables are
-      !> between (the body twice), stiffness, damping and half_backlash (half of the clearance [m]) of the direction, and `mass`.
+      !> Row of a bearing, 1: x, 2: y, above: see geartrain_train_bearing_rows; 0: no bearing. Bearings stand after the couplings, x
+      !> before y, further rows at the end. Their variables are between (the body twice), stiffness, damping and half_backlash
+      !> (half of the clearance [m]) of the direction, `mass` and `flats`.
       integer :: axis = 0
-      !> Mass of the body that the bearing carries [kg].
+      !> Mass of the body that the bearing carries [kg]; number of flats of the clearance, two of each row; share of a row in the
+      !> stiffness that the bearing has in its direction, 1 in a train as given.
       real(dp) :: mass = 0
+      integer :: flats = 4
+      real(dp) :: share = 1
       !> Dry friction of a coupling, largest torque [N m].
       real(dp) :: friction_torque = 0
    contains
@@ -131,7 +135,7 @@ contains
 
    !> A direction of a bearing without values.
    pure type(mesh_type) function new_bearing(axis) result(bearing)
-      !> 1: x, 2: y.
+      !> 1: x, 2: y, above: a row beside them.
       integer, intent(in) :: axis
 
       bearing%axis = axis

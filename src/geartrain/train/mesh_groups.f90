@@ -3,6 +3,7 @@
 module geartrain_train_mesh_groups
    use geartrain_base_checker, only: checker_type
    use geartrain_base_numbers, only: integer_text
+   use geartrain_train_bearing_rows, only: row_text
    use geartrain_train_mesh, only: mesh_type
    implicit none (type, external)
    private
@@ -32,7 +33,10 @@ contains
       !> Number among them.
       integer, intent(in) :: i
 
-      if (meshes(i)%axis > 0) then
+      if (meshes(i)%axis > 2) then
+         group_number = count(meshes(:findloc(meshes%axis == 1 .and. meshes%between(1) == meshes(i)%between(1), .true., 1))%axis &
+                              == 1)
+      else if (meshes(i)%axis > 0) then
          group_number = count(meshes(:i)%axis == 1)
       else
          group_number = count(meshes(:i)%axis == 0 .and. (meshes(:i)%is_coupling .eqv. meshes(i)%is_coupling))
@@ -54,7 +58,7 @@ contains
       i = 0
    end function place_of
 
-   !> 'mesh 2', 'coupling 1', 'bearing 1 x'.
+   !> 'mesh 2', 'coupling 1', 'bearing 1 x', 'bearing 1 22.5' (degrees).
    pure function mesh_word(meshes, i) result(word)
       !> The meshes of the train.
       type(mesh_type), intent(in) :: meshes(:)
@@ -63,7 +67,7 @@ contains
       character(group_length + 12) :: word
 
       word = trim(group_name(meshes, i))//' '//integer_text(group_number(meshes, i))
-      if (meshes(i)%axis > 0) word = trim(word)//' '//merge('x', 'y', meshes(i)%axis == 1)
+      if (meshes(i)%axis > 0) word = trim(word)//' '//row_text(meshes(i))
    end function mesh_word
 
    !> 'mesh 2', 'coupl 1', 'brg 1 x': the head of a narrow column.

@@ -53,8 +53,8 @@ contains
       do i = meshes + 1, first - 1
          call visit_coupling(train%meshes(i), i - meshes, visitor)
       end do
-      do i = first, size(train%meshes) - 1, 2
-         call visit_bearing(train%meshes(i:i + 1), (i - first)/2 + 1, visitor)
+      do i = 1, count(train%meshes%axis == 1)
+         call visit_bearing(train%meshes(first + 2*i - 2:first + 2*i - 1), i, visitor)
       end do
    end subroutine visit_model
 

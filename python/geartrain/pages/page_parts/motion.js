@@ -103,6 +103,19 @@ function pointPanels() {
     },
   );
   select.id = "plane-mesh";
+  const [ofLabel, ofSelect] = choice(
+    "spectrum of",
+    [
+      ["p", "displacement"],
+      ["force", "force"],
+    ],
+    "p",
+    (what) => {
+      state.spectrum = what;
+      drawPoint();
+    },
+  );
+  ofSelect.id = "spectrum-of";
   const small = (id, words) => make("div", { id, class: "plot small", role: "img", "aria-label": words });
   return [
     make(
@@ -124,10 +137,10 @@ function pointPanels() {
       make(
         "div",
         { class: "pair" },
-        make("div", {}, small("spectrum", "Spectrum of the displacement")),
+        make("div", {}, small("spectrum", "Spectrum of the displacement or the force")),
         make("div", {}, small("plane", "Phase plane: velocity over displacement")),
       ),
-      make("div", { class: "controls" }, meshLabel, make("span", { class: "note", id: "gap", hidden: true })),
+      make("div", { class: "controls" }, ofLabel, meshLabel, make("span", { class: "note", id: "gap", hidden: true })),
       small("multipliers", "Floquet multipliers and the unit circle"),
       make("p", { class: "note", id: "multipliers-note", hidden: true }),
     ),

@@ -123,7 +123,7 @@ function drawHistories(picture) {
 
 function drawForces(picture) {
   const [lines, time] = histories(picture, "force"),
-    layout = smallLayout(time, "mesh force  [N]");
+    layout = smallLayout(time, `${picture.file.forceWords}  [${picture.file.forceUnit}]`);
   byId("force").hidden = !lines.length;
   const notes = [
     picture.file.forces,
@@ -141,6 +141,46 @@ function drawForces(picture) {
   Plotly.react("force", lines, layout, STILL);
 }
 
+/** Amplitudes of the force of each mesh at the orders of the motion, by a fast Fourier transform; null without a law. */
+function forceLines(series, row, period) {
+  const size = 2 ** Math.ceil(Math.log2(Math.max(1024, 8 * Math.max(...series.orders))));
+  const phases = Float64Array.from({ length: size }, (_, i) => (2 * Math.PI * period * i) / size);
+  return waveform(series, row, phases).map(({ force }) => {
+    if (!force) return null;
+    const [re, im] = transform(force);
+    return Array.from(series.orders, (order) => (2 / size) * Math.hypot(re[order], im[order]));
+  });
+}
+
+/** The discrete Fourier transform of as many values as a power of 2. */
+function transform(values) {
+  const size = values.length,
+    re = new Float64Array(size),
+    im = new Float64Array(size);
+  for (let i = 0, reversed = 0; i < size; i++) {
+    re[reversed] = values[i];
+    let bit = size >> 1;
+    for (; bit && reversed & bit; bit >>= 1) reversed ^= bit;
+    reversed |= bit;
+  }
+  for (let half = 1; half < size; half *= 2) {
+    for (let k = 0; k < half; k++) {
+      const c = Math.cos((Math.PI * k) / half),
+        s = -Math.sin((Math.PI * k) / half);
+      for (let i = k; i < size; i += 2 * half) {
+        const j = i + half,
+          a = c * re[j] - s * im[j],
+          b = c * im[j] + s * re[j];
+        re[j] = re[i] - a;
+        im[j] = im[i] - b;
+        re[i] += a;
+        im[i] += b;
+      }
+    }
+  }
+  return [re, im];
+}
+
 function drawSpectrum({ series, row, file, lambda, meshes, there, period, all }) {
   const traces = [],
     names = new Map(file.orderNames);
@@ -152,8 +192,11 @@ function drawSpectrum({ series, row, file, lambda, meshes, there, period, all })
         : 1;
   if (there) {
     const [, count, width] = all.shape;
+    const forced = state.spectrum === "force" ? forceLines(series, row, period) : null;
+    if (forced) meshes = meshes.filter((mesh) => forced[mesh]);
     const heights = meshes.map((mesh) =>
       series.orders.map((_, h) => {
+        if (forced) return forced[mesh][h];
         const base = (row * count + mesh) * width + 1 + 2 * h;
         return Math.hypot(all[base] || 0, all[base + 1] || 0);
       }),
@@ -196,7 +239,10 @@ function drawSpectrum({ series, row, file, lambda, meshes, there, period, all })
     rpm: `orders of ${safe(file.speedOf)}`,
     Hz: "frequency  [Hz]",
   }[state.unit];
-  const made = smallLayout(title, `amplitude ${lengthUnit(file)}`);
+  const made = smallLayout(
+    title,
+    state.spectrum === "force" ? `amplitude of the force  [${file.forceUnit}]` : `amplitude ${lengthUnit(file)}`,
+  );
   made.yaxis.rangemode = "tozero";
   made.xaxis.rangemode = "tozero";
   Plotly.react("spectrum", traces, made, STILL);

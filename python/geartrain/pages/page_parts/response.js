@@ -360,14 +360,15 @@ function rangeTraces(rows) {
     for (const mesh of rows) {
       const x = [],
         y = [];
+      let words = "";
       for (const series of main.series.filter((s) => s.kind === "response")) {
-        for (const [own, kind, low, high] of series.ranges) {
+        for (const [own, kind, low, high, told] of series.ranges) {
           if (own !== mesh || kind !== what) continue;
+          words = told;
           x.push(low * acrossFactor(main), high * acrossFactor(main), null);
           y.push(rows.indexOf(mesh), rows.indexOf(mesh), null);
         }
       }
-      const words = what === "apart" ? "teeth separate" : "back flanks collide";
       if (x.length) {
         traces.push({
           type: "scatter",
@@ -478,7 +479,7 @@ function drawCurves(plot, key) {
       range: [-0.6, rows.length - 0.4],
       tickvals: range(rows.length),
       fixedrange: true,
-      ticktext: rows.map((mesh) => `mesh ${mesh + 1}`),
+      ticktext: rows.map((mesh) => main.elements[mesh]),
       showgrid: false,
       zeroline: false,
       tickfont: { size: 11 },
@@ -581,9 +582,11 @@ function drawKey(key, traces) {
   }
   if (kinds.has("ranges")) {
     const words = main.series.some((s) => s.ofStable) ? " (stable motions)" : "";
-    items.push([line("#4a525c", "", 8, 0.4), `teeth separate${words}`]);
-    if (main.series.some((s) => s.ranges.some((row) => row[1] === "back")))
-      items.push([line("#4a525c", "", 8), `back flanks collide${words}`]);
+    const rows = main.series.flatMap((s) => s.ranges);
+    for (const [what, opacity] of [["apart", 0.4], ["back", 1]]) {
+      const told = [...new Set(rows.filter((row) => row[1] === what).map((row) => row[4]))];
+      if (told.length) items.push([line("#4a525c", "", 8, opacity), told.join(", ") + words]);
+    }
   }
   if (isOn("ranges") && main.series.some((s) => s.kind === "response" && s.bands.length)) {
     items.push(['<rect x="1" y="1" width="26" height="12" fill="#999" opacity=".3"/>', "no stable motion here that repeats after one period"]);

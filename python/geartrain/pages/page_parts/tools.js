@@ -112,6 +112,7 @@ const state = {
   axes: [],
   part: "all",
   mesh: 0,
+  spectrum: "p",
   off: new Set(),
   chosen: null,
   mapWhat: "spectral_radius",
