@@ -180,7 +180,7 @@ class Train(Description):
 
     @takes(VARIABLES["response"], ResponseKeywords)
     def response(self, *, seed: Motion | None = None, **settings: Unpack[ResponseKeywords]) -> Branch:
-        """Follow the periodic motions by harmonic balance and continuation, through the folds.
+        """Follow the periodic motions by harmonic balance, with ``friction_torque`` by shooting, through the folds.
 
         Parameters
         ----------
