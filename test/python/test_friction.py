@@ -400,6 +400,134 @@ def test_all_of_time_integration(tmp_path):
     assert "friction_torque" in str(train.explain())
 
 
+def same_as_integrated(train, branch, points):
+    """How many of some points are what time integration settles on."""
+    same = 0
+    for point in points:
+        motion = train.integrate(frequency=float(branch.frequency[point]))
+        if motion.period != branch.subharmonic or np.abs(motion.rms - branch.rms[point]).max() > 1e-8 * motion.rms.max():
+            continue
+        same += 1
+        assert branch.stable[point] == motion.stable
+        assert np.abs(np.sort(abs(branch.multipliers[point])) - np.sort(abs(motion.multipliers))).max() < 1e-6
+        assert branch.coupling_energy_loss[point] == pytest.approx(motion.coupling_energy_loss, rel=1e-7, abs=1e-9)
+        assert branch.coupling_torque_maximum[point] == pytest.approx(motion.coupling_torque_maximum, rel=1e-7)
+    return same
+
+
+# The response: branches of orbits by shooting
+
+
+@pytest.mark.parametrize("friction", [75.0, 90.0])
+def test_response_after_den_hartog(friction):
+    """Friction of 78.5 N m and more, pi/4 of the torque, bounds the resonance."""
+    branch = oscillator(100.0, friction).response(start=1.1 * NATURAL / RATE, stop=2.0 * NATURAL / RATE, step=0.05)
+    assert branch.complete and branch.stable.all() and (branch.error_estimate < 1e-10).all()
+    compared = 0
+    for frequency, largest, smallest, loss in zip(branch.frequency, branch.maximum[:, 0], branch.minimum[:, 0],
+                                                  branch.coupling_energy_loss[:, 0]):
+        try:
+            amplitude = with_stop(frequency * RATE / NATURAL, 100.0, friction)[0]
+        except AssertionError:
+            continue  # without a stop, or more than one
+        compared += 1
+        assert largest / PER_TWIST == pytest.approx(amplitude, rel=1e-10)
+        assert smallest / PER_TWIST == pytest.approx(-amplitude, rel=1e-10)
+        assert loss == pytest.approx(4 * friction * amplitude, rel=1e-10)
+    assert compared > 5
+
+
+def test_response_over_friction():
+    """From motions without a stop to those with one, by Den Hartog's formulas; twice the limit changes the friction of a train."""
+    train, ratio = oscillator(100.0, 20.0), 0.7
+    branch = train.continuation(parameter="coupling 1 friction_torque", start=10.0, stop=80.0, frequency=ratio * NATURAL / RATE)
+    assert branch.complete and branch.stable.all()
+    stopped = 0
+    for friction, largest in zip(branch.parameter, branch.maximum[:, 0]):
+        try:
+            amplitude = with_stop(ratio, 100.0, friction)[0]
+            stopped += 1
+        except AssertionError:
+            amplitude = without_stop(ratio, 100.0, friction)
+        if 65 < friction < 75:
+            continue  # either may be the one that moves, or two stops
+        assert largest / PER_TWIST == pytest.approx(amplitude, rel=1e-10)
+    assert 0 < stopped < len(branch)
+
+
+def test_response_through_sticking():
+    """A clutch that sticks throughout but for its resonance: its points are those of time integration."""
+    train = clutch(60.0)
+    train = replace(train, bodies=[train.bodies[0], train.bodies[1], train.bodies[3]], meshes=[])
+    branch = train.response(start=0.05, stop=0.6)
+    assert branch.complete
+    sticks = branch.coupling_energy_loss[:, 0] == 0
+    assert sticks[[0, -1]].all() and not sticks.all()
+    # Where it sticks throughout, what friction and spring carry is the torque of the shaft, amid its range by the spring alone.
+    for point in (*range(0, len(branch), max(1, len(branch) // 12)), len(branch) - 1):
+        motion = train.integrate(frequency=float(branch.frequency[point]))
+        assert branch.rms[point] == pytest.approx(motion.rms, rel=1e-8, abs=1e-12)
+        assert branch.coupling_torque_maximum[point] == pytest.approx(motion.coupling_torque_maximum, rel=1e-7)
+        assert branch.coupling_energy_loss[point] == pytest.approx(motion.coupling_energy_loss, rel=1e-6, abs=1e-9)
+        assert branch.stable[point] and motion.stable
+        assert np.sort(abs(branch.multipliers[point])) == pytest.approx(np.sort(abs(motion.multipliers)), abs=1e-6)
+    assert "sticks throughout at" in branch.report()
+
+
+def same_as_events(train, branch, points):
+    """Compares points with equations of their own; whether any stuck."""
+    stuck = False
+    for point in points:
+        frequency = float(branch.frequency[point])
+        (motion,) = (found for found in branch.at(frequency) if np.abs(found.rms - branch.rms[point]).max() < 1e-7 * found.rms.max())
+        displacement, loss, multipliers, sticks = Events(train, frequency * RATE).fly(motion, 1024)
+        stuck |= sticks
+        scale = np.abs(displacement).max()
+        assert np.abs(displacement[-1] - displacement[0]).max() < 1e-8 * scale, point
+        cycle = displacement[:-1]
+        assert branch.rms[point] == pytest.approx(np.sqrt(2 * cycle.var(axis=0)), abs=1e-8 * scale), point
+        assert branch.coupling_energy_loss[point] == pytest.approx(loss, rel=1e-5, abs=1e-12), point
+        assert np.abs(np.sort(abs(branch.multipliers[point])) - np.sort(abs(multipliers))).max() < 1e-6, point
+    return stuck
+
+
+@pytest.mark.nightly
+def test_response_of_random_networks(times):
+    """Trains with backlash, couplings of several stages and friction: points of their branches by equations of their own."""
+    stuck = followed = 0
+    for seed in range(times(20)):
+        train = random_train(seed)
+        branch = train.response(start=0.4, stop=0.6, max_points=300)
+        if len(branch) < 2:
+            continue
+        followed += 1
+        stuck += same_as_events(train, branch, [0, len(branch) // 2])
+    assert followed >= 0.8 * times(20) and stuck >= 0.2 * times(20)
+
+
+def test_response_of_a_rattling_clutch(tmp_path):
+    """Folds and changes of stability with backlash; the file, a motion to begin with, and motions at a speed."""
+    train = clutch(6.0)
+    branch = train.response(start=0.6, stop=0.5)
+    assert branch.complete and (branch.special_points[0].kind, branch.stable.all()) == ("period doubling", False)
+    special = branch.special_points[0]
+    # One multiplier is -1 there, as on either side of it one is.
+    before, after = (min(branch.multipliers[special.point + k].real) for k in (0, 1))
+    assert (before + 1) * (after + 1) < 0
+    assert same_as_integrated(train, branch, [0, special.point]) == 2
+    doubled = train.integrate(frequency=0.52)
+    assert doubled.period == 2
+    follows = train.response(start=0.51, stop=0.53, subharmonic=2, seed=doubled)
+    assert follows.complete and follows.stable.any()
+    found = follows.at(0.52)
+    assert any(np.abs(motion.rms - doubled.rms).max() < 1e-8 for motion in found)
+    branch.write(tmp_path / "response.h5")
+    again = gt.read_results(tmp_path / "response.h5").response
+    assert (again.rms == branch.rms).all() and again.special_points[0].frequency == special.frequency
+    refined = branch.refine()
+    assert (refined.rms == branch.rms).all() and (refined.correction == 0).all()
+
+
 def test_no_friction_is_no_friction():
     motion, other = (replace(clutch(0.0), couplings=[replace(clutch(0.0).couplings[0], friction_torque=value)])
                      .integrate(frequency=0.2) for value in (0.0, None))
@@ -408,13 +536,21 @@ def test_no_friction_is_no_friction():
     assert little.rms == pytest.approx(motion.rms, rel=1e-6)
 
 
-def test_refusals():
+def test_refusals(tmp_path):
     train = clutch(6.0)
     over = {"parameter": "coupling 1 stiffness", "parameter_start": 1e3, "parameter_stop": 2e3}
-    for ask in (lambda: train.response(start=0.1, stop=0.2), lambda: train.stability_map(start=0.1, stop=0.2, **over),
-                lambda: train.continuation(parameter="coupling 1 stiffness", start=1e3, stop=2e3, frequency=0.2),
-                lambda: train.motions(frequency=0.2)):
-        with pytest.raises(gt.InputError, match="find motions with friction by time integration"):
+    with pytest.raises(gt.InputError, match="find motions with friction by shooting and time integration"):
+        train.stability_map(start=0.1, stop=0.2, **over)
+    for asked in ({"period_doublings": 1}, {"branch_points": True}, {"coefficients": "sampled"}, {"control": "local"}):
+        with pytest.raises(gt.InputError, match="for a train with friction_torque"):
+            train.response(start=0.1, stop=0.2, **asked)
+    case = tmp_path / "follow.nml"
+    case.write_text(train.namelist(response={"start": 0.1, "stop": 0.3}, attractors={"frequency": 0.2, "follow": True}))
+    with pytest.raises(gt.InputError, match="begin a response with a motion found here"):
+        gt.read_case(case).run()
+    branch = train.response(start=0.6, stop=0.54)
+    for ask in (branch.audit, lambda: branch.special_points[0].exact(), lambda: branch.period_doubled(branch.special_points[0])):
+        with pytest.raises((gt.InputError, gt.SolverError), match="friction_torque"):
             ask()
     motion = train.integrate(frequency=0.2)
     with pytest.raises(gt.InputError, match="take differences of refined motions"):

@@ -36,7 +36,7 @@ class OnTheBalance(Analysable):
 
     @takes(VARIABLES["response"], ResponseKeywords)
     def response(self, *, seed: Motion | None = None, **settings: Unpack[ResponseKeywords]) -> Branch:
-        """Follow the periodic motions by harmonic balance and continuation, through the folds.
+        """Follow the periodic motions by harmonic balance, with ``friction_torque`` by shooting, through the folds.
 
         Parameters
         ----------

@@ -14,7 +14,7 @@ module geartrain_analyses_branch_report
    use geartrain_readings_force_remarks, only: find_errors, find_sweeps
    use geartrain_readings_frequency_text, only: frequency_text_type, text_for
    use geartrain_readings_jump_sentences, only: say_jumps
-   use geartrain_readings_range_sentences, only: range_words
+   use geartrain_readings_range_sentences, only: range_words, ranges_of_points
    use geartrain_readings_summary, only: band_type, bands_without_stability
    use geartrain_analyses_planet_loads, only: say_sharing
    use geartrain_trace_branch, only: branch_type, gap_along, response_settings_type
@@ -191,6 +191,7 @@ contains
          if (any(bands%undecided) .and. .not. all(bands%undecided)) words = words//' (partly undecided)'
          call sheet%say(in_result, words//': not in these figures, use &integration.')
       end if
+      call say_sticking(branch, train, told, sheet)
       call say_jumps(branch, train, told, sheet)
       call say_branch_points(branch, told, sheet)
    end subroutine say_motions
@@ -266,6 +267,33 @@ contains
       if (list /= '') call sheet%say(in_result, 'The largest force or vibration of '//list//' is at the end of the range; a larger &
                                      &one may lie beyond.')
    end subroutine say_ends
+
+   !> Adds a sentence for each coupling whose dry friction lets it stick throughout the period.
+   subroutine say_sticking(branch, train, told, sheet)
+      type(branch_type), intent(in) :: branch
+      type(train_type), intent(in) :: train
+      type(frequency_text_type), intent(in) :: told
+      type(sheet_type), intent(inout) :: sheet
+      !> Rounding of the rms of a displacement that does not change, over the displacement and the largest rms [1].
+      real(dp), parameter :: rounding = 1e-13_dp
+      character(name_length) :: names(branch%meshes)
+      character(:), allocatable :: words
+      logical :: sticks(branch%points)
+      integer :: mesh, i
+
+      names = mesh_names(train)
+      associate (n => branch%points)
+         do mesh = 1, branch%meshes
+            if (.not. train%meshes(mesh)%friction_torque > 0) cycle
+            sticks = branch%rms(mesh, :n) <= rounding*(abs(branch%mean(mesh, :n)) + maxval(branch%rms(:, :n)))
+            if (.not. any(sticks)) cycle
+            call range_words(ranges_of_points(branch%frequency_ratio(:n), sticks, [(.true., i=1, n)]), told, sheet%verbose, words)
+            if (words == '') call told%with_unit(told%number(branch%frequency_ratio(findloc(sticks, .true., 1))), words)
+            call sheet%say(in_result, trim(names(mesh))//' sticks throughout at '//words//': its displacement is the middle of &
+                           &those that its friction holds.')
+         end do
+      end associate
+   end subroutine say_sticking
 
    !> Adds sentences on branch points, at which other branches of the same period cross.
    subroutine say_branch_points(branch, told, sheet)

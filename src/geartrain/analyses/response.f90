@@ -26,7 +26,7 @@ module geartrain_analyses_response
    public :: response_analysis_type, response_row, visit_whole_branch
 
    type(group_row_type), parameter :: response_row = group_row_type('response', &
-      'Asks for the branch of periodic motions over frequency, by harmonic balance.')
+      'Asks for the branch of periodic motions over frequency, by harmonic balance; by shooting for a train with friction_torque.')
 
    type, extends(analysis_type) :: response_analysis_type
       type(response_settings_type), pointer :: settings => null()

@@ -9,7 +9,9 @@ module geartrain_analyses_response_branch
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_words, only: lambda, operator(//), words_type
+   use geartrain_exact_friction_response, only: friction_response
    use geartrain_flow_floating, only: can_float, note_of
+   use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_check_train, only: check_train
    use geartrain_network_system, only: system_type
    use geartrain_readings_contact_edges, only: locate_contact_edges
@@ -67,6 +69,11 @@ contains
       if (.not. allocated(error)) call check_response(train, settings, present(seed), error)
       if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
+      if (has_friction(train)) then
+         call friction_response(train, settings, branch, error, seed, observer)
+         if (.not. (allocated(error) .or. branch%cancelled)) call locate_contact_edges(train, settings, branch)
+         return
+      end if
       if (present(seed)) then
          call begin_trace(train, settings, systems, tracer, motion=seed)
          call tracer%recorder%setup(tracer%corrector%balance, settings%stability, branch, settings%shaft_torque, &

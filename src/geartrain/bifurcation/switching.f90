@@ -10,6 +10,7 @@ module geartrain_bifurcation_switching
    use geartrain_base_observer, only: observer_type
    use geartrain_base_words, only: lambda, operator(//)
    use geartrain_bifurcation_critical_point, only: find_critical, harmonics_at
+   use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_check_train, only: check_train
    use geartrain_network_system, only: system_type
    use geartrain_readings_special_spacing, only: add_points_between
@@ -50,6 +51,9 @@ contains
       logical :: success
 
       call check_train(train, error)
+      if (.not. allocated(error) .and. has_friction(train)) &
+         call fatal(error, 'period_doubled: a train with friction_torque has no harmonic balance to begin with; find a motion of &
+                           &twice the period by time integration, and begin a response of this period with it')
       if (allocated(error)) return
       if (special < 1 .or. special > size(branch%special_points)) then
          call fatal(error, 'special = '//text(special)//': the branch has '//text(size(branch%special_points)) &

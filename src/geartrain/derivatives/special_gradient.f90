@@ -16,6 +16,7 @@ module geartrain_derivatives_special_gradient
    use geartrain_derivatives_listed_point, only: listed_point_type
    use geartrain_exact_exact_point, only: check_whole_period
    use geartrain_linalg_differences, only: differences_type
+   use geartrain_network_check_coupling, only: refuse_friction_of
    use geartrain_network_gradient, only: begin_gradient, gradient_type, parameters_type, reason_length, sides_type
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: branch_type
@@ -57,6 +58,7 @@ contains
       logical :: found
 
       call given%setup(train, names, error)
+      if (.not. allocated(error)) call refuse_friction_of(train, 'gradient: special points', error)
       if (.not. allocated(error) .and. allocated(branch%parameter)) &
          call fatal(error, 'gradient: of special points of a branch over a frequency, not over a parameter')
       if (allocated(error)) return

@@ -11,6 +11,7 @@ module geartrain_exact_audit
    use geartrain_exact_audit_special_point, only: audit_special_point
    use geartrain_exact_exact_point, only: branch_with_multipliers
    use geartrain_exact_orbit_corrector, only: orbit_corrector_type, orbit_type
+   use geartrain_network_check_coupling, only: refuse_friction_of
    use geartrain_network_check_train, only: check_train
    use geartrain_network_long_period, only: refuse_long_period
    use geartrain_network_system, only: build_system, system_type
@@ -49,6 +50,7 @@ contains
       logical :: keep_going
 
       call check_train(train, error)
+      if (.not. allocated(error)) call refuse_friction_of(train, 'audit: points', error)
       if (allocated(error)) return
       if (points < 0) then
          call fatal(error, 'audit: points = '//text(points)//': must be >= 0')

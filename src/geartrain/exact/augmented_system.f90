@@ -14,7 +14,7 @@ module geartrain_exact_augmented_system
    use geartrain_base_kinds, only: dp
    use geartrain_exact_augmented_point, only: augmented_point_type, metric_type, scale_tangent, trains_type
    use geartrain_exact_broken_symmetry, only: broken_symmetry_type
-   use geartrain_exact_orbit_corrector, only: depth_of
+   use geartrain_exact_orbit_depth, only: depth_of
    use geartrain_exact_orbit_directions, only: along_lambda, along_parameter, find_directions, rest
    use geartrain_exact_orbit_tests, only: back_contact, is_onset
    use geartrain_floquet_critical_pair, only: pair_of

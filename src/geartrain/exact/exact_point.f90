@@ -20,6 +20,7 @@ module geartrain_exact_exact_point
    use geartrain_flow_multiple_shooting, only: most_parts, section_states
    use geartrain_flow_orbit, only: measure
    use geartrain_flow_sections, only: sections_type
+   use geartrain_network_check_coupling, only: has_friction, refuse_friction_of
    use geartrain_network_check_train, only: check_train
    use geartrain_network_long_period, only: refuse_long_period
    use geartrain_network_system, only: build_system, system_type
@@ -104,6 +105,7 @@ contains
       logical :: found
 
       call check_train(train, error)
+      if (.not. allocated(error)) call refuse_friction_of(train, 'exact: special points', error)
       if (allocated(error)) return
       if (allocated(branch%parameter)) then
          call fatal(error, 'exact: the branch is over a parameter: only special points of a branch over frequency are made exact')
@@ -171,7 +173,7 @@ contains
       integer :: i, done
       logical :: keep_going, go
 
-      if (.not. allocated(branch%special_points) .or. allocated(branch%parameter)) return
+      if (.not. allocated(branch%special_points) .or. allocated(branch%parameter) .or. has_friction(train)) return
       done = branch%points + count(branch%special_points%correction > -2)
       keep_going = .true.
       ! A special point's place among the points bounds the search of its neighbours: it stays until all are found.

@@ -3,24 +3,33 @@ module geartrain_exact_orbit_corrector
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_repetition, only: take_one
    use geartrain_base_kinds, only: dp
-   use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_exact_orbit_depth, only: depth_of
    use geartrain_trace_stages, only: depth_of_stage, no_stage
    use geartrain_network_divide_orders, only: divide_orders
+   use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_units, only: units_of, units_type
-   use geartrain_floquet_multipliers, only: eigenvalues
+   use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable, multipliers_of
+   use geartrain_flow_held_twists, only: centre_twists
+   use geartrain_flow_kept_states, only: keeps
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, most_parts, section_states
    use geartrain_flow_sections, only: sections_type
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: depth_of, orbit_type, orbit_corrector_type, orbit_test_type, resolution
+   public :: orbit_type, orbit_corrector_type, orbit_test_type, resolution, short
 
-   !> Cosine of the largest angle between the tangents at the ends of a step [1].
-   real(dp), parameter :: least_cosine = 0.8_dp
+   !> Cosine of the largest angle between the tangents at the ends of a step [1]; and of a short step, which may pass a corner of a
+   !> branch with dry friction, and how long that step may be [units_type].
+   real(dp), parameter :: least_cosine = 0.8_dp, cosine_at_corner = 0.02_dp, short = 1e-3_dp
+   !> Distance of the end of a step from the tangent at its beginning, over the length of the step, at most: a circular arc that
+   !> turns by `least_cosine` has 0.33; and at a corner [1].
+   real(dp), parameter :: aside = 0.4_dp, aside_at_corner = 4
    !> Orbits closer than this in the metric are equal: about ten times the error of shooting [units_type].
    real(dp), parameter :: resolution = 1e-10_dp
    integer, parameter :: max_steps = 60
+   !> Most changes of twists that dry friction holds.
+   integer, parameter :: most_centred = 4
    !> Half of the distance of the orbits around a blurred zero [units_type].
    real(dp), parameter :: around = 1e-4_dp
    !> Least Lambda at the end of a step, over Lambda at its beginning [1].
@@ -35,8 +44,14 @@ module geartrain_exact_orbit_corrector
       !> Unit tangent: its parts of Lambda and of the states, (state, section).
       real(dp) :: tangent_frequency = 0
       real(dp), allocatable :: tangent(:, :)
-      !> Multipliers over one repetition, largest magnitude first, (state).
+      !> Multipliers over one repetition, largest magnitude first, (state). Those of twists that a period leaves as they are count
+      !> as 0.
       complex(dp), allocatable :: multipliers(:)
+      !> Verdict by the multipliers; number of twists that a period leaves as they are.
+      logical :: stable = .false., undecided = .false.
+      integer :: kept = 0
+      !> Last step of Newton's method, relative [1].
+      real(dp) :: accuracy = 0
       !> Distance of the displacement of the watched mesh from the contact that is watched, negative with this contact [1].
       real(dp) :: depth = 0
    end type orbit_type
@@ -53,6 +68,8 @@ module geartrain_exact_orbit_corrector
       logical :: watches_back = .false.
       !> Number of the stage that is watched in place of both, `no_stage`: none.
       integer :: watched_stage = no_stage
+      !> Whether the branch may have corners, as dry friction makes them.
+      logical :: corners = .false.
       !> Units of the metric.
       type(units_type) :: units
       !> Sections for shooting at constant Lambda, and for shooting along the branch.
@@ -63,6 +80,9 @@ module geartrain_exact_orbit_corrector
       procedure :: setup
       procedure :: first_guess
       procedure :: distance
+      procedure :: along
+      procedure :: cosine
+      procedure :: take_train
       procedure :: point_at
       procedure :: solve_at
       procedure :: correct
@@ -94,13 +114,18 @@ module geartrain_exact_orbit_corrector
 contains
 
    !> Prepares for the orbits of a branch.
-   subroutine setup(self, system, period, times)
+   subroutine setup(self, system, period, times, path, origin, beside)
       ! A thread's private variable has garbage where its type has default values (gfortran 12): intent(out) sets them.
       class(orbit_corrector_type), intent(out) :: self
       !> The train, a copy for this corrector alone: its orders are divided by `times`.
       type(system_type), pointer, intent(in) :: system
       !> Period of the branch [periods of the fundamental]; how often its motions go through their waveform within it.
       integer, intent(in) :: period, times
+      !> The train over a parameter in place of Lambda, and the value at which what stands for Lambda is 1, see sections_type.
+      type(parameter_path_type), pointer, intent(in), optional :: path
+      real(dp), intent(in), optional :: origin
+      !> Room for the train with another value of the parameter.
+      type(system_type), pointer, intent(in), optional :: beside
       integer :: parts
 
       self%system => system
@@ -109,12 +134,17 @@ contains
       call divide_orders(self%times, self%system)
       self%units = units_of(system)
       parts = most_parts(system, period)
+      if (present(path)) then
+         self%units%frequency_ratio = 1
+         call self%fixed%vary_along(path, origin, beside)
+         call self%moving%vary_along(path, origin, beside)
+      end if
       call self%fixed%setup(self%system, period, parts, moves=.false.)
       call self%moving%setup(self%system, period, parts, moves=.true.)
-      associate (n => system%displacements, m => self%fixed%sections)
+      associate (n => system%displacements, m => self%fixed%sections, rate => units_of(system))
          allocate (self%weight(system%states, m))
          self%weight(:n, :) = 1/(m*self%units%length**2)
-         self%weight(n + 1:, :) = 1/(m*(self%units%length*self%units%frequency_ratio)**2)
+         self%weight(n + 1:, :) = 1/(m*(self%units%length*rate%frequency_ratio)**2)
       end associate
    end subroutine setup
 
@@ -143,6 +173,36 @@ contains
                       + ((a%frequency_ratio - b%frequency_ratio)/self%units%frequency_ratio)**2)
    end function distance
 
+   !> Distance of an orbit from another along its tangent [units_type].
+   pure real(dp) function along(self, from, to)
+      class(orbit_corrector_type), intent(in) :: self
+      !> The orbit with the tangent; the other one.
+      type(orbit_type), intent(in) :: from, to
+
+      along = sum(self%weight*from%tangent*(to%states - from%states)) &
+              + from%tangent_frequency*(to%frequency_ratio - from%frequency_ratio)/self%units%frequency_ratio**2
+   end function along
+
+   !> Cosine of the angle between the tangents of two orbits [1].
+   pure real(dp) function cosine(self, a, b)
+      class(orbit_corrector_type), intent(in) :: self
+      !> The two orbits.
+      type(orbit_type), intent(in) :: a, b
+
+      cosine = sum(self%weight*a%tangent*b%tangent) + a%tangent_frequency*b%tangent_frequency/self%units%frequency_ratio**2
+   end function cosine
+
+   !> Gives `system` the value of the parameter that an orbit has, and finds Lambda.
+   subroutine take_train(self, orbit, frequency_ratio)
+      class(orbit_corrector_type), intent(inout) :: self
+      !> The orbit.
+      type(orbit_type), intent(in) :: orbit
+      !> Lambda [1].
+      real(dp), intent(out) :: frequency_ratio
+
+      call self%fixed%stand_at(orbit%frequency_ratio, frequency_ratio)
+   end subroutine take_train
+
    !> Makes the tangent of an orbit the unit vector along a chord.
    subroutine point_at(self, before, after, orbit, way)
       class(orbit_corrector_type), intent(in) :: self
@@ -166,10 +226,17 @@ contains
       type(orbit_type), intent(inout) :: orbit
       !> Newton's method has converged.
       logical, intent(out) :: success
-      real(dp) :: last
+      integer :: i
+      logical :: moved
 
-      call find_orbit_in_sections(self%fixed, orbit%frequency_ratio, orbit%states, last, success)
-      if (success) call self%find_multipliers(self%fixed, orbit)
+      do i = 1, most_centred
+         call find_orbit_in_sections(self%fixed, orbit%frequency_ratio, orbit%states, orbit%accuracy, success)
+         if (.not. success) return
+         if (.not. self%corners) exit
+         call centre_twists(self%system, self%fixed, orbit%frequency_ratio, self%units%length, orbit%states, moved)
+         if (.not. moved) exit
+      end do
+      call self%find_multipliers(self%fixed, orbit)
    end subroutine solve_at
 
    !> Shooting in the hyperplane through `orbit` normal to its tangent.
@@ -179,12 +246,19 @@ contains
       type(orbit_type), intent(inout) :: orbit
       !> Newton's method has converged.
       logical, intent(out) :: success
-      real(dp) :: tangent(size(orbit%states, 1), size(orbit%states, 2)), tangent_frequency, length, last
+      real(dp) :: tangent(size(orbit%states, 1), size(orbit%states, 2)), tangent_frequency, length
       real(dp) :: smallest, largest
+      integer :: i
+      logical :: moved
 
-      call find_orbit_in_sections(self%moving, orbit%frequency_ratio, orbit%states, last, success, self%weight*orbit%tangent, &
-                      orbit%tangent_frequency/self%units%frequency_ratio**2, tangent, tangent_frequency)
-      if (.not. success) return
+      do i = 1, most_centred
+         call find_orbit_in_sections(self%moving, orbit%frequency_ratio, orbit%states, orbit%accuracy, success, &
+            self%weight*orbit%tangent, orbit%tangent_frequency/self%units%frequency_ratio**2, tangent, tangent_frequency)
+         if (.not. success) return
+         if (.not. self%corners) exit
+         call centre_twists(self%system, self%moving, orbit%frequency_ratio, self%units%length, orbit%states, moved)
+         if (.not. moved) exit
+      end do
       length = sqrt(sum(self%weight*tangent**2) + (tangent_frequency/self%units%frequency_ratio)**2)
       orbit%tangent = tangent/length
       orbit%tangent_frequency = tangent_frequency/length
@@ -199,32 +273,25 @@ contains
                              self%system%half_backlash(self%watched_mesh), self%watches_back)
    end subroutine correct
 
-   !> Least distance of the displacement of a mesh from separation, or from a contact of its back flanks, over characteristic length
-   !> [1]; see depth_below.
-   real(dp) function depth_of(flight, frequency_ratio, states, mesh, half_backlash, back)
-      !> Flights of the train.
-      type(sections_type), intent(inout) :: flight
-      !> Lambda [1]; states at the beginnings of the sections [1], (state, section).
-      real(dp), intent(in) :: frequency_ratio, states(:, :)
-      !> Number of the mesh.
-      integer, intent(in) :: mesh
-      !> Half of its backlash over characteristic length [1].
-      real(dp), intent(in) :: half_backlash
-      !> Contact of the back flanks; else separation.
-      logical, intent(in) :: back
-      real(dp) :: smallest, largest
-
-      call flight%extremes(frequency_ratio, states, mesh, smallest, largest)
-      depth_of = depth_below(smallest, largest, half_backlash, back)
-   end function depth_of
-
    subroutine find_multipliers(self, sections, orbit)
       class(orbit_corrector_type), intent(in) :: self
       type(sections_type), intent(inout) :: sections
       type(orbit_type), intent(inout) :: orbit
+      integer, allocatable :: moving(:)
+      integer :: k
 
       if (.not. allocated(orbit%multipliers)) allocate (orbit%multipliers(size(orbit%states, 1)))
-      call eigenvalues(sections%monodromy, orbit%multipliers)
+      orbit%kept = 0
+      if (self%corners) orbit%kept = count(keeps(sections%monodromy))
+      if (orbit%kept > 0) then
+         moving = pack([(k, k=1, size(orbit%multipliers))], .not. keeps(sections%monodromy))
+         orbit%multipliers = 0
+         orbit%multipliers(:size(moving)) = multipliers_of(sections%monodromy(moving, moving))
+      else
+         call eigenvalues(sections%monodromy, orbit%multipliers)
+      end if
+      orbit%stable = is_stable(orbit%multipliers)
+      orbit%undecided = is_neutral(orbit%multipliers)
    end subroutine find_multipliers
 
    !> One step along the branch: predictor and corrector.
@@ -238,15 +305,22 @@ contains
       type(orbit_type), intent(inout) :: to
       !> Shooting has converged, and the tangent turns by less than `least_cosine`: else it may be another branch.
       logical, intent(out) :: success
+      logical :: at_corner
 
       to = from
       to%states = from%states + h*from%tangent
       to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
       ! Near Lambda = 0 the period is too long to be integrated.
-      success = to%frequency_ratio > slowest*from%frequency_ratio
+      success = to%frequency_ratio > slowest*from%frequency_ratio .and. self%moving%reaches(to%frequency_ratio)
       if (success) call self%correct(to, success)
-      if (success) success = sum(self%weight*from%tangent*to%tangent) &
-                             + from%tangent_frequency*to%tangent_frequency/self%units%frequency_ratio**2 > least_cosine
+      if (.not. success) return
+      at_corner = self%corners .and. abs(h) < short
+      success = self%cosine(from, to) > merge(cosine_at_corner, least_cosine, at_corner)
+      if (.not. (self%corners .and. success)) return
+      ! The states that the tangent leaves as they are may be twists that are moved to their middle.
+      associate (off => merge(0.0_dp, to%states - from%states - h*from%tangent, abs(from%tangent) <= 0))
+         success = sqrt(sum(self%weight*off**2)) < abs(h)*merge(aside_at_corner, aside, at_corner)
+      end associate
    end subroutine advance
 
    !> Finds the orbit between two orbits of a step at which a test function is zero.

@@ -9,6 +9,7 @@ module geartrain_exact_refinement
    use geartrain_exact_fold_sides, only: sides_of
    use geartrain_exact_waveform_error, only: harmonics_told, waveform_error
    use geartrain_flow_shooting, only: refine
+   use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_check_train, only: check_train
    use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_system, only: build_system, system_type
@@ -17,7 +18,7 @@ module geartrain_exact_refinement
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: cancel_refinement, refine_branch, refine_motions
+   public :: cancel_refinement, refine_branch, replace_point, refine_motions
 
    !> An orbit that differs from the point by more than `another` times the estimated error of the point is another orbit; one that
    !> differs by more than `as_estimated` times may be that on the other side of a fold.
@@ -56,6 +57,11 @@ contains
          end associate
       end if
       if (allocated(error)) return
+      if (has_friction(train)) then
+         ! Its points are orbits already.
+         branch%correction = [(0.0_dp, i=1, branch%points)]
+         return
+      end if
       ! The edges are those of the points as they were.
       if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
       call build_system(train, system)
@@ -189,8 +195,11 @@ contains
 
    !> Puts an orbit in the place of point i; rms, extremes and loads are those of the whole waveform of the orbit.
    subroutine replace_point(motion, i, branch)
+      !> The orbit, with all figures.
       type(motion_type), intent(in) :: motion
+      !> Number of the point.
       integer, intent(in) :: i
+      !> The branch, which has room for the point.
       type(branch_type), intent(inout), target :: branch
       integer :: k
 

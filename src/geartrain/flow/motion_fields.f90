@@ -12,7 +12,7 @@ module geartrain_flow_motion_fields
    use geartrain_flow_torque_fields, only: about_coupling, about_held, carry_torque, coupling_row, loss_row
    implicit none (type, external)
    private
-   public :: carry_loads, coefficient_axis, visit_motions
+   public :: carry_loads, carry_states, coefficient_axis, visit_motions
    public :: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, about_minimum, &
       about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_stability
 
@@ -86,6 +86,11 @@ module geartrain_flow_motion_fields
       module procedure :: carry_loads_1, carry_loads_2
    end interface carry_loads
 
+   character(*), parameter :: about_coordinate = 'coordinate of the state: the displacement of every elastic element, then the &
+      &velocities; with damping to ground that of a body last', about_state = 'state at time 0: displacement of every elastic &
+      &element / characteristic_length, then velocities / (characteristic_length times characteristic_frequency)', &
+      from_flow = 'from time integration, or shooting of a train with friction_torque'
+
 contains
 
    !> Visits a list of motions.
@@ -139,9 +144,7 @@ contains
       if (fields%has('coupling_torque_mean', couplings > 0)) call fields%index_axis('coupling', couplings, about_coupling)
       bearings_there = fields%has('bearing_force_mean', bearings > 0)
       if (bearings_there) call bearing_axes(bearings, fields)
-      if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, &
-         'coordinate of the state: the displacement of every elastic element, then the velocities; with damping to ground that of &
-         &a body last')
+      if (fields%has('initial_state', coordinates > 0)) call fields%index_axis('coordinate', coordinates, about_coordinate)
       if (fields%has('multipliers', states > 0)) call fields%index_axis('state', states, &
                                                    'number of the multiplier, in no order that holds between '//along//'s')
       call fields%begin_list(along)
@@ -229,9 +232,7 @@ contains
                                 on_stability), motion%multipliers)
       end if
       if (fields%has('initial_state', allocated(motion%state))) &
-         call carry(fields, row('initial_state', 'coordinate', '1', 'state at time 0: displacement of every elastic element / &
-                                &characteristic_length, then velocities / (characteristic_length times &
-                                &characteristic_frequency)', 'from time integration', optional=.true.), motion%state)
+         call carry(fields, row('initial_state', 'coordinate', '1', about_state, from_flow, optional=.true.), motion%state)
       if (fields%way == reading) call fields%check(all([allocated(motion%rms), allocated(motion%mean), allocated(motion%minimum), &
                                                         allocated(motion%maximum)] .eqv. allocated(motion%coefficients)), 'rms')
       ! Points of a sweep have no share of random starts.
@@ -382,5 +383,20 @@ contains
       load%separation = apart
       load%back_contact = back
    end subroutine carry_loads_2
+
+   !> Carries the states of the points of a branch.
+   subroutine carry_states(fields, states)
+      !> The fields of the results.
+      class(fields_type), intent(inout) :: fields
+      !> States at time 0 [1], (coordinate, point); not allocated: not known.
+      real(dp), allocatable, intent(inout) :: states(:, :)
+      integer :: coordinates
+
+      coordinates = 0
+      if (allocated(states)) coordinates = size(states, 1)
+      if (.not. fields%has('initial_state', allocated(states))) return
+      call fields%index_axis('coordinate', coordinates, about_coordinate)
+      call carry(fields, row('initial_state', 'point coordinate', '1', about_state, from_flow, optional=.true.), states)
+   end subroutine carry_states
 
 end module geartrain_flow_motion_fields

@@ -4,6 +4,7 @@
 module geartrain_flow_multiple_shooting
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp
+   use geartrain_flow_kept_states, only: keeps
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: states_of
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
@@ -85,6 +86,7 @@ contains
       real(dp) :: first(size(states, 1) + 1, 2), step(size(states, 1), 1), begun, before, scale, gap
       real(dp), allocatable :: matrix(:, :)
       integer :: pivot(size(states, 1) + 1), i, k, n, m, info
+      logical :: kept(size(states, 1))
 
       n = size(states, 1)
       m = n
@@ -98,13 +100,15 @@ contains
          call sections%fly(frequency_ratio, states)
          if (sections%interrupted() .or. sections%is_lost()) return
          matrix(:n, :n) = sections%monodromy
+         ! What a period leaves as it is stays as it is.
+         kept = keeps(sections%monodromy)
          do k = 1, n
-            matrix(k, k) = matrix(k, k) - 1
+            if (.not. kept(k)) matrix(k, k) = matrix(k, k) - 1
          end do
          first = 0
-         first(:n, 1) = -sections%missed(:, sections%sections + 1)
+         first(:n, 1) = merge(0.0_dp, -sections%missed(:, sections%sections + 1), kept)
          if (present(row)) then
-            matrix(:n, m) = sections%drift(:, sections%sections + 1)
+            matrix(:n, m) = merge(0.0_dp, sections%drift(:, sections%sections + 1), kept)
             matrix(m, :n) = row(:, 1)
             matrix(m, m) = row_frequency
             do k = 2, sections%sections
@@ -130,7 +134,7 @@ contains
          if (.not. length < 10) return
          ! From a poor guess Newton's method may go anywhere, and a flight at Lambda near 0 would take very long.
          frequency_ratio = frequency_ratio + first(n + 1, 1)
-         if (abs(frequency_ratio - begun) > farthest*begun) return
+         if (abs(frequency_ratio - begun) > farthest*begun .or. .not. sections%reaches(frequency_ratio)) return
          found = has_converged(length, before, gap)
          if (found) exit
          before = length

@@ -9,6 +9,7 @@ module geartrain_flow_sections
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: begin_tangents, flow_order, flow_tolerance
    use geartrain_linalg_bracket, only: between, shrink
+   use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_system, only: system_type
    use geartrain_network_units, only: units_of, units_type
    implicit none (type, external)
@@ -18,6 +19,8 @@ module geartrain_flow_sections
    !> Relative change of Lambda in the difference for the drift. Rounding makes a relative error of 1e-6, small enough for Newton
    !> steps.
    real(dp), parameter :: difference = 1e-7_dp
+   !> Change of a parameter in place of Lambda in the difference for the drift, over the length of its path.
+   real(dp), parameter :: parameter_difference = 1e-6_dp
    !> Pieces of a step in each of which a mesh velocity has at most one zero; most steps towards it.
    integer, parameter :: pieces = 8, max_steps = 60
 
@@ -47,6 +50,12 @@ module geartrain_flow_sections
       type(flow_type), private :: flow, few, single, above
       !> By how much the parameter is larger there [unit of the parameter].
       real(dp), private :: apart = 0
+      !> Where it is associated, a parameter of the train varies at constant Lambda, and what stands for Lambda everywhere is 1 at
+      !> the value `origin` of the parameter and grows by 1 over the path. The train of the latest flight is that of `single`; the
+      !> train beside it.
+      type(parameter_path_type), pointer, private :: path => null()
+      type(system_type), pointer, private :: beside => null()
+      real(dp), private :: origin = 0
    contains
       procedure :: setup
       procedure :: size_of
@@ -55,6 +64,11 @@ module geartrain_flow_sections
       procedure :: step_at
       procedure :: extremes
       procedure :: vary
+      procedure :: vary_along
+      procedure :: reaches
+      procedure :: parameter_at
+      procedure :: lambda_at
+      procedure :: stand_at
       procedure :: carry_vectors
       procedure :: interrupted
       procedure :: is_lost
@@ -103,6 +117,70 @@ contains
       call self%above%setup(above, 1, flow_order, flow_tolerance)
    end subroutine vary
 
+   !> Makes a parameter of the train variable in place of Lambda; before `setup`, whose train then changes with every flight.
+   subroutine vary_along(self, path, origin, beside)
+      class(sections_type), intent(inout) :: self
+      !> The trains.
+      type(parameter_path_type), pointer, intent(in) :: path
+      !> Value of the parameter at which what stands for Lambda is 1 [unit of the parameter].
+      real(dp), intent(in) :: origin
+      !> Room for a train with another value.
+      type(system_type), pointer, intent(in) :: beside
+
+      self%path => path
+      self%origin = origin
+      self%beside => beside
+   end subroutine vary_along
+
+   !> Whether there is a train.
+   pure logical function reaches(self, frequency_ratio)
+      class(sections_type), intent(in) :: self
+      !> Lambda, or what stands for it [1].
+      real(dp), intent(in) :: frequency_ratio
+
+      reaches = frequency_ratio > 0
+      if (.not. associated(self%path)) return
+      associate (value => self%parameter_at(frequency_ratio))
+         reaches = value >= self%path%low .and. value <= self%path%high
+      end associate
+   end function reaches
+
+   !> Lambda, or value of the parameter that varies in its place.
+   pure real(dp) function parameter_at(self, frequency_ratio) result(value)
+      class(sections_type), intent(in) :: self
+      !> Lambda, or what stands for it [1].
+      real(dp), intent(in) :: frequency_ratio
+
+      value = frequency_ratio
+      if (associated(self%path)) value = self%origin + (frequency_ratio - 1)*self%path%length
+   end function parameter_at
+
+   !> Lambda of a flight [1].
+   pure real(dp) function lambda_at(self, frequency_ratio) result(lambda)
+      class(sections_type), intent(in) :: self
+      !> Lambda, or what stands for it [1].
+      real(dp), intent(in) :: frequency_ratio
+
+      lambda = frequency_ratio
+      if (associated(self%path)) lambda = self%path%frequency_ratio
+   end function lambda_at
+
+   !> Takes the train of a flight where a parameter varies, and finds Lambda.
+   subroutine stand_at(self, frequency_ratio, lambda)
+      class(sections_type), intent(inout) :: self
+      !> Lambda, or what stands for it [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Lambda [1].
+      real(dp), intent(out) :: lambda
+
+      lambda = self%lambda_at(frequency_ratio)
+      if (.not. associated(self%path)) return
+      call self%path%system_at(self%parameter_at(frequency_ratio), self%single%system)
+      call self%single%setup(self%single%system, 1, flow_order, flow_tolerance)
+      if (self%flow%columns > 0) &
+         call self%flow%setup(self%single%system, self%single%system%states + 1, flow_order, flow_tolerance)
+   end subroutine stand_at
+
    !> Carries the first state to the beginnings of the other sections.
    subroutine guess(self, frequency_ratio, states)
       class(sections_type), intent(inout) :: self
@@ -110,11 +188,13 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> States at the beginnings of the sections [1], (state, section); the first is given.
       real(dp), intent(inout) :: states(:, :)
+      real(dp) :: lambda
       integer :: k
 
+      call self%stand_at(frequency_ratio, lambda)
       do k = 1, self%sections - 1
          states(:, k + 1) = states(:, k)
-         call carry(self%single, k, self%sections/self%period, frequency_ratio, states(:, k + 1))
+         call carry(self%single, k, self%sections/self%period, lambda, states(:, k + 1))
       end do
    end subroutine guess
 
@@ -125,11 +205,19 @@ contains
       real(dp), intent(in) :: frequency_ratio, states(:, :)
       !> Whether the latest flight was so near that what it found of the drifts will do; default no.
       logical, intent(in), optional :: nearby
-      real(dp) :: ahead(size(states, 1)), own(size(states, 1), size(states, 1))
+      real(dp) :: ahead(size(states, 1)), own(size(states, 1), size(states, 1)), lambda, other
       integer :: k, n, parts
       logical :: anew
 
       n = size(states, 1)
+      call self%stand_at(frequency_ratio, lambda)
+      other = difference*lambda
+      if (self%moves .and. associated(self%path)) then
+         other = parameter_difference
+         if (.not. self%reaches(frequency_ratio + other)) other = -other
+         call self%path%system_at(self%parameter_at(frequency_ratio + other), self%beside)
+         call self%above%setup(self%beside, 1, flow_order, flow_tolerance)
+      end if
       if (self%flow%columns == 0) then
          call self%flow%setup(self%single%system, n + 1, flow_order, flow_tolerance)
          associate (m => self%sections)
@@ -155,15 +243,19 @@ contains
       end if
       do k = 1, self%sections
          call begin_tangents(self%flow, states(:, k))
-         call fly_section(self%flow, k, parts, frequency_ratio)
+         call fly_section(self%flow, k, parts, lambda)
          self%events = self%events + self%flow%events
          self%slowest_event = min(self%slowest_event, self%flow%slowest_event)
          own = transpose(self%flow%x(2:, :))
          self%missed(:, k + 1) = self%flow%x(1, :) - states(:, mod(k, self%sections) + 1)
          if (self%moves .and. anew) then
             ahead = states(:, k)
-            call carry(self%single, k, parts, (1 + difference)*frequency_ratio, ahead)
-            self%own_drift(:, k) = (ahead - self%flow%x(1, :))/(difference*frequency_ratio)
+            if (associated(self%path)) then
+               call carry(self%above, k, parts, lambda, ahead)
+            else
+               call carry(self%single, k, parts, (1 + difference)*lambda, ahead)
+            end if
+            self%own_drift(:, k) = (ahead - self%flow%x(1, :))/other
          end if
          if (self%apart > 0 .and. anew) then
             ahead = states(:, k)
@@ -254,9 +346,10 @@ contains
       real(dp), intent(in), optional :: wall
       !> Least distance of any extreme, of a part of the period too, from the wall or its mirror image [1].
       real(dp), intent(out), optional :: nearest
-      real(dp) :: end_time, at, closest
+      real(dp) :: end_time, at, closest, lambda
       integer :: k, part, parts
 
+      call self%stand_at(frequency_ratio, lambda)
       smallest = huge(1.0_dp)
       largest = -smallest
       closest = smallest
@@ -266,8 +359,8 @@ contains
       do k = 1, self%sections
          part = mod(k - 1, parts)
          self%single%x(1, :) = states(:, k)
-         call self%single%start(frequency_ratio, 2*pi/frequency_ratio*part/parts)
-         end_time = 2*pi/frequency_ratio*(part + 1)/parts
+         call self%single%start(lambda, 2*pi/lambda*part/parts)
+         end_time = 2*pi/lambda*(part + 1)/parts
          do while (self%single%time < end_time)
             if (self%interrupted()) return
             call self%single%step(end_time)

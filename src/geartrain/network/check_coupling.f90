@@ -1,6 +1,7 @@
 !> Checks of a coupling: its characteristic has one rest under every torque.
 module geartrain_network_check_coupling
    use geartrain_base_checker, only: checker_type
+   use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_linalg_rows, only: rows_type
@@ -11,7 +12,7 @@ module geartrain_network_check_coupling
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_coupling, check_friction, check_middles, has_friction, refuse_friction
+   public :: check_coupling, check_friction, check_middles, has_friction, refuse_friction, refuse_friction_of
 
 contains
 
@@ -144,10 +145,23 @@ contains
          if (.not. train%meshes(i)%friction_torque > 0) cycle
          call enter_mesh(checker, train%meshes, i)
          call checker%complain('friction_torque', real_text(train%meshes(i)%friction_torque), 'must be 0 for '//what//', whose &
-            &harmonics do not represent sticking; find motions with friction by time integration: &integration, &
-            &&bifurcation_diagram, &attractors, &basins or &run_up')
+            &harmonics do not represent sticking; find motions with friction by shooting and time integration: &response, &
+            &&integration, &bifurcation_diagram, &attractors, &basins or &run_up')
          call checker%leave()
       end do
    end subroutine refuse_friction
+
+   !> Makes it an error to make exact what shooting found, and what lies on corners of the branch where it is not smooth.
+   subroutine refuse_friction_of(train, what, error)
+      !> The train.
+      type(train_type), intent(in) :: train
+      !> What is asked for, as in 'audit: points'.
+      character(*), intent(in) :: what
+      !> Added to where a coupling has dry friction.
+      type(error_type), allocatable, intent(inout) :: error
+
+      if (has_friction(train)) call fatal(error, what//' of a response of a train with friction_torque are found by shooting &
+                                          &already, and have no derivatives')
+   end subroutine refuse_friction_of
 
 end module geartrain_network_check_coupling

@@ -21,7 +21,7 @@ module geartrain_network_parameter
    character(*), parameter :: plain_variables(*) = [character(24) :: 'input_torque', 'torque_cos', 'torque_sin', &
       'prime_mover_inertia', 'load_inertia', 'inertia', 'torque', 'damping_to_ground', 'stiffness', 'damping_ratio', 'damping', &
       'driving_radius', 'driven_radius', 'driving_inertia', 'driven_inertia', 'half_backlash', 'half_play', 'angle', &
-      'back_stiffness', 'back_phase', 'mass', 'half_clearance', 'line_of_action', 'position', &
+      'back_stiffness', 'back_phase', 'mass', 'half_clearance', 'line_of_action', 'position', 'friction_torque', &
       'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'error_mean', 'revolution_torque_cos', 'revolution_torque_sin', &
       'driving_error_cos', 'driving_error_sin', 'driven_error_cos', 'driven_error_sin']
    !> Those among them that `phase` turns.

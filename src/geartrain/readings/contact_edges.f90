@@ -7,6 +7,7 @@ module geartrain_readings_contact_edges
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples
    use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: branch_type, carried_by, contact_edge_type, gap_along, response_settings_type
    use geartrain_trace_corrector, only: solution_point_type
@@ -66,7 +67,7 @@ contains
       integer, allocatable :: stages(:)
       integer :: i, j, k, n, stage, same, before
       logical, allocatable :: staged(:)
-      logical :: ready, success, keep_going, back
+      logical :: shot, ready, success, keep_going, back
 
       if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
       if (branch%points < 2) return
@@ -77,6 +78,7 @@ contains
       if (.not. (any(gap > 0) .or. any(train%meshes%is_coupling))) return
       allocate (edges(most_edges), ends(2, most_edges))
       n = 0
+      shot = has_friction(train)
       call begin_trace(train, settings, systems, tracer, branch)
       ! Over a parameter the walls may move.
       allocate (staged(branch%meshes), source=.false.)
@@ -96,7 +98,7 @@ contains
                first = depth(j, branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
                last = depth(j, branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j), back)
                if (first*last >= 0 .or. n == most_edges) cycle
-               if (.not. ready) call prepare_piece(i)
+               if (.not. (ready .or. shot)) call prepare_piece(i)
                ready = .true.
                n = n + 1
                edges(n)%point = i
@@ -108,6 +110,14 @@ contains
                if (same > 0) then
                   edges(n)%frequency_ratio = edges(same)%frequency_ratio
                   edges(n)%rms = edges(same)%rms
+                  cycle
+               end if
+               if (shot) then
+                  ! Without a balance to solve, on the chord between the points.
+                  associate (share => first/(first - last), at => branch%frequency_ratio(i:i + 1), rms => branch%rms(:, i:i + 1))
+                     edges(n)%frequency_ratio = at(1) + share*(at(2) - at(1))
+                     edges(n)%rms = rms(:, 1) + share*(rms(:, 2) - rms(:, 1))
+                  end associate
                   cycle
                end if
                call locate(j, back, first, last, edges(n)%frequency_ratio, success)

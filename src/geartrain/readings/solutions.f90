@@ -6,7 +6,9 @@ module geartrain_readings_solutions
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
+   use geartrain_exact_friction_solutions, only: friction_solutions_at
    use geartrain_linalg_cubic, only: share_at
+   use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_check_train, only: check_train
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: branch_type, carried_by, coefficients_of, has_sets, &
@@ -47,6 +49,11 @@ contains
       allocate (motions(0))
       call check_train(train, error)
       if (allocated(error)) return
+      if (has_friction(train)) then
+         deallocate (motions)
+         call friction_solutions_at(train, branch, frequency_ratio, motions, error)
+         return
+      end if
       call begin_trace(train, settings, systems, tracer, branch)
       if (.not. tracer%corrector%balance%reaches(frequency_ratio)) then
          if (.not. allocated(branch%parameter)) call fatal(error, 'at: frequency = '//text(frequency_ratio)//': must be > 0')

@@ -12,7 +12,7 @@ module geartrain_trace_branch
    use geartrain_trace_settings, only: response_settings_type
    use geartrain_flow_motion_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, &
       about_mesh, about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, &
-      carry_loads, carry_torques, coefficient_axis, on_stability
+      carry_loads, carry_states, carry_torques, coefficient_axis, on_stability
    use geartrain_trace_stages, only: no_stage
    use geartrain_flow_torque_fields, only: about_coupling, about_held, loss_row
    implicit none (type, external)
@@ -123,23 +123,22 @@ module geartrain_trace_branch
       !> Floquet multipliers over one repetition of the waveform, (state, point), of which `multipliers` are powers; allocated where
       !> the motions repeat themselves within the period and stability was asked for.
       complex(dp), allocatable :: repetition_multipliers(:, :)
-      !> Whether all perturbations die out, (point); not allocated: stability was not asked for.
-      logical, allocatable :: stable(:)
+      !> Whether all perturbations die out, (point); whether this is a guess, see geartrain_trace_stability_assessment; not
+      !> allocated: stability was not asked for.
+      logical, allocatable :: stable(:), undecided(:)
       !> Rate of the slowest of them, the real part of the largest Floquet exponent [1/s], (point).
       real(dp), allocatable :: growth_rate(:)
-      !> Whether `stable` is a guess, (point), see geartrain_trace_stability_assessment.
-      logical, allocatable :: undecided(:)
       !> Second estimate of the largest magnitude of a multiplier, (point); negative: not needed.
       real(dp), allocatable :: second_estimate(:)
       !> Whether the number of multipliers outside the unit circle is a guess, (point).
       logical, allocatable :: count_undecided(:)
-      !> Estimated relative error of the waveform [1], (point): distance to the exact motion at the same Lambda, or to the fold of
-      !> the exact branch where the exact branch turns before this Lambda.
-      real(dp), allocatable :: error_estimate(:)
-      !> The same of each mesh by itself [1], (mesh, point).
-      real(dp), allocatable :: mesh_error_estimate(:, :)
-      !> Relative change of the waveform by refine_branch [1], (point), which is the error before refinement; negative: the point
-      !> was not refined; not allocated: refinement was not asked for.
+      !> Estimated relative error of the waveform [1], (point), and of each mesh by itself, (mesh, point): distance to the exact
+      !> motion at the same Lambda, or to the fold of the exact branch where the exact branch turns before this Lambda.
+      real(dp), allocatable :: error_estimate(:), mesh_error_estimate(:, :)
+      !> States at time 0 [1], (coordinate, point); allocated where dry friction takes shooting in place of balance.
+      real(dp), allocatable :: state(:, :)
+      !> Relative change of the waveform by refine_branch [1], (point), the error before it; negative: not refined; not allocated:
+      !> refinement was not asked for.
       real(dp), allocatable :: correction(:)
       !> Whether `error_estimate` may be off by more than a small factor, (point), as near a fold, near grazing, or above 0.1.
       logical, allocatable :: estimate_doubtful(:)
@@ -152,7 +151,7 @@ module geartrain_trace_branch
       real(dp) :: verdict_seconds = 0
       !> Folds and bifurcations, in the order found.
       type(special_point_type), allocatable :: special_points(:)
-      !> Edges of separation and back collision; not allocated until locate_contact_edges fills the array.
+      !> Edges of separation and back collision; filled by locate_contact_edges.
       type(contact_edge_type), allocatable :: contact_edges(:)
       !> Why the trace ended; not allocated: the trace is under way.
       type(words_type), allocatable :: ended
@@ -353,6 +352,7 @@ contains
             call carry(fields, loss_row('point'), branch%coupling_energy_loss)
       end if
       call visit_bearings(branch%bearing_force, fields)
+      call carry_states(fields, branch%state)
       if (fields%has('load_share', allocated(branch%load_share))) then
          call fields%index_axis('planet', branch%planets, about_planet)
          call carry_shares(fields, branch%load_share, branch%load_share_maximum)

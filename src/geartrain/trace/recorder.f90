@@ -11,12 +11,14 @@ module geartrain_trace_recorder
    use geartrain_floquet_multipliers, only: power
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
+   use geartrain_network_parameter_path, only: parameter_path_type
+   use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: arrange_points, branch_type, widen
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_stability_assessment, only: assess, assess_growth, assessment_type
    implicit none (type, external)
    private
-   public :: recorder_type
+   public :: begin_branch, recorder_type
 
    type :: recorder_type
       !> Stability is assessed; torques of shafts are computed.
@@ -51,28 +53,13 @@ contains
       !> Multipliers are wanted however long the period is; absent: they are not.
       logical, intent(in), optional :: multipliers
       logical :: whole
-      integer :: k
 
       self%stability = stability
       self%shaft_torque = .false.
       if (present(shaft_torque)) self%shaft_torque = shaft_torque
-      branch%points = 0
-      branch%meshes = balance%system%meshes
-      branch%held = balance%system%torque_paths%held
-      branch%shafts = balance%system%torque_paths%shafts
-      branch%couplings = balance%system%torque_paths%couplings
-      branch%half_backlash = balance%system%half_backlash
-      if (allocated(balance%path)) then
-         branch%parameter = balance%path%name
-         branch%parameter_unit = balance%path%unit
-         branch%constant_frequency = balance%path%frequency_ratio
-         allocate (branch%half_backlash_at(0, 0))
-      end if
-      branch%subharmonic = balance%eta
-      branch%harmonics = balance%highest
-      branch%orders = [(k, k=1, balance%highest)]
+      call begin_branch(balance%system, balance%eta, balance%highest, self%shaft_torque, branch, balance%path)
       if (balance%chosen) branch%orders = [integer ::]
-      allocate (branch%special_points(0), branch%arclength(0), branch%free_slope(0), branch%rms_slope(0, 0))
+      allocate (branch%arclength(0), branch%free_slope(0), branch%rms_slope(0, 0))
       if (stability) then
          self%to_their_digits = .false.
          if (present(multipliers)) self%to_their_digits = multipliers
@@ -82,13 +69,45 @@ contains
          allocate (self%multipliers(branch%states), branch%stable(0))
          if (whole .and. balance%repeats > 1) allocate (branch%repetition_multipliers(branch%states, 0))
       end if
-      if (self%shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
-      if (self%shaft_torque) branch%bearing_force%bearings = balance%system%torque_paths%bearings
-      if (self%shaft_torque .and. branch%couplings > 0) allocate (branch%coupling_energy_loss(0, 0))
-      branch%planets = size(balance%system%sharing%mesh)
-      if (branch%planets > 0) allocate (branch%load_share(0, 0))
       call arrange_points(branch, [integer ::], 16)
    end subroutine setup
+
+   !> Sets what a branch has before its first point.
+   subroutine begin_branch(system, subharmonic, harmonics, shaft_torque, branch, path)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Period of the motions [periods of the fundamental]; harmonics of Lambda/subharmonic.
+      integer, intent(in) :: subharmonic, harmonics
+      !> Torques of shafts are wanted.
+      logical, intent(in) :: shaft_torque
+      !> A new branch; then one that `arrange_points` can give points to.
+      type(branch_type), intent(inout) :: branch
+      !> The train over a parameter; not allocated: the branch is over Lambda.
+      type(parameter_path_type), allocatable, intent(in) :: path
+      integer :: k
+
+      branch%points = 0
+      branch%meshes = system%meshes
+      branch%held = system%torque_paths%held
+      branch%shafts = system%torque_paths%shafts
+      branch%couplings = system%torque_paths%couplings
+      branch%half_backlash = system%half_backlash
+      if (allocated(path)) then
+         branch%parameter = path%name
+         branch%parameter_unit = path%unit
+         branch%constant_frequency = path%frequency_ratio
+         allocate (branch%half_backlash_at(0, 0))
+      end if
+      branch%subharmonic = subharmonic
+      branch%harmonics = harmonics
+      branch%orders = [(k, k=1, harmonics)]
+      allocate (branch%special_points(0))
+      if (shaft_torque) allocate (branch%shaft_torque_mean(0, 0))
+      if (shaft_torque) branch%bearing_force%bearings = system%torque_paths%bearings
+      if (shaft_torque .and. branch%couplings > 0) allocate (branch%coupling_energy_loss(0, 0))
+      branch%planets = size(system%sharing%mesh)
+      if (branch%planets > 0) allocate (branch%load_share(0, 0))
+   end subroutine begin_branch
 
    !> Appends a point.
    subroutine add(self, balance, solution, estimate, segment, branch)

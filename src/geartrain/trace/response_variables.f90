@@ -5,7 +5,7 @@ module geartrain_trace_response_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
-   use geartrain_network_check_coupling, only: refuse_friction
+   use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_check_train, only: check_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, visit_unit
    use geartrain_network_limits, only: check_common_period, check_frequency, check_harmonics
@@ -118,8 +118,8 @@ contains
       class(checker_type), intent(inout) :: checker
       logical :: within, whole
 
-      call refuse_friction(train, 'harmonic balance', checker)
       call checker%enter('response', 1)
+      if (has_friction(train)) call check_friction()
       ! A range of frequencies has positive ends; the ends of a path in a parameter are in the parameter's own range.
       if (settings%parameter == '') then
          if (settings%start <= 0) call checker%complain('from', real_text(settings%start), 'must be > 0')
@@ -174,6 +174,22 @@ contains
       call checker%leave()
 
    contains
+
+      !> Checks what the response of a train with dry friction does not have, which is by shooting.
+      subroutine check_friction()
+         character(*), parameter :: why = ' for a train with friction_torque, whose motions are found by shooting, not by &
+                                          &harmonic balance'
+
+         if (settings%coefficients /= 'exact') call checker%complain('coefficients', "'"//trim(settings%coefficients)//"'", &
+                                                                     "must be 'exact'"//why)
+         if (settings%control /= 'arclength') call checker%complain('control', "'"//trim(settings%control)//"'", &
+                                                                    "must be 'arclength'"//why)
+         if (settings%period_doublings > 0) call checker%complain('period_doublings', integer_text(settings%period_doublings), &
+            'must be 0'//why//'; find a motion of twice the period by &integration, and begin a branch with it')
+         if (settings%branch_points) call checker%complain('branch_points', '.true.', 'must be .false.'//why)
+         call check_variable(train, settings%subharmonic, 'from', real_text(settings%start), 'shoots over whole periods, as &
+                             &the train has friction_torque', .false., checker)
+      end subroutine check_friction
 
       !> Checks the ends of a range of frequencies.
       subroutine check_ends()
