@@ -433,6 +433,21 @@ def test_round_clearance(flats):
     assert rest / np.hypot(*rest) == pytest.approx(told["mean_force"] / force, abs=4.0 / flats**2)
 
 
+def test_parameters_of_flats():
+    """The clearance moves all springs of a ring; a stiffness is that of both directions, and no parameter of its own."""
+    def moved(**given):
+        train = pair(stiffness_cos=[0.25], pinion={**ROUND, "flats": 12, **given})
+        return train.response(start=0.6, stop=0.601, harmonics=12).at(0.6)[0]
+
+    motion, change = moved(), 1e-9
+    found = motion.gradient("mean", ["bearing 1 half_clearance", "bearing 1 mass"])
+    wanted = (moved(half_clearance=8e-6 + change).mean - moved(half_clearance=8e-6 - change).mean) / (2 * change)
+    assert np.abs(wanted[1:3]).min() > 0.3 / LENGTH
+    assert found[:, 0] == pytest.approx(wanted, rel=1e-4, abs=1e-4 / LENGTH)
+    with pytest.raises(gt.InputError, match="with more than four flats it is the same in x and y"):
+        motion.gradient("mean", ["bearing 1 stiffness 1"])
+
+
 def test_turned_flats():
     """A plane turned by the angle between two flats changes nothing but the directions of the forces."""
     given = {"half_backlash": 2e-5, "stiffness_cos": [0.2]}
@@ -483,6 +498,9 @@ def random_train(seed):
     bearings = [gt.Bearing(body=names[place], mass=float(rng.uniform(1.5, 6)), stiffness=rng.uniform(1e8, 4e8, 2).tolist(),
                            damping=rng.uniform(2e3, 5e3, 2).tolist(), half_clearance=float(rng.choice([0.0, 5e-6])))
                 for place in carried]
+    if seed % 3 == 2:
+        bearings = [replace(bearing, flats=8, stiffness=bearing.stiffness[:1] * 2, damping=bearing.damping[:1] * 2)
+                    if bearing.half_clearance else bearing for bearing in bearings]
     return gt.Train(characteristic_length=LENGTH, characteristic_frequency=RATE, bodies=bodies, meshes=meshes, bearings=bearings)
 
 

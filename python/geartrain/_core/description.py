@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
     from ..variables import Analyses
 
-__all__ = ["Description", "bearings_of", "contact_words", "half_gaps", "load_signs", "part_labels", "part_names"]
+__all__ = ["Description", "bearings_of", "contact_words", "half_gaps", "is_of_ring", "load_signs", "part_labels", "part_names"]
 
 
 class Description(TrainVariables):
@@ -234,7 +234,7 @@ def half_gaps(train: Description) -> NDArray[np.float64]:
 
 
 def load_signs(train: Description) -> list[int]:
-    """Sign of the mean force of what stands along the dimension ``mesh``; 1 where there is none."""
+    """Sign of the mean force of what stands along the dimension ``mesh``; 0 where there is none."""
     signs = []
     for element, about in zip(train.mesh_elements, _groups_of(train)):
         mean = np.ravel(about.get("mean_force", about.get("mean_torque", 0.0)))
@@ -243,7 +243,7 @@ def load_signs(train: Description) -> list[int]:
             known = {"x": (1.0, 0.0), "y": (0.0, 1.0)}
             angle = 0.0 if axis[0] in known else np.radians(float(axis[0]))
             mean = np.array([mean @ known.get(axis[0], (np.cos(angle), np.sin(angle)))])
-        signs.append(-1 if mean[0] < 0 else 1)
+        signs.append(int(np.sign(mean[0])))
     return signs
 
 
@@ -258,13 +258,19 @@ def contact_words(train: Description | None, places: Iterable[int], what: str) -
     if not isinstance(train, Description):
         return {place: words[0] for place in places}
     signs, first = load_signs(train), len(train.meshes)
-    return {place: words[place >= first] for place in places if place < first or what == "separation" or signs[place] > 0}
+    return {place: words[place >= first] for place in places if place < first or what == "separation" or signs[place] >= 0}
 
 
 def _groups_of(train: Description) -> list[Mapping[str, Any]]:
     """The numbers of what stands along the dimension ``mesh``."""
     numbers = train.explain()
     return [numbers[" ".join(element.split()[:2])] for element in train.mesh_elements]
+
+
+def is_of_ring(train: Description, place: int) -> bool:
+    """Whether a bearing with more than four flats stands at a place along the dimension ``mesh``."""
+    kind, number, *_ = train.mesh_elements[place].split()
+    return kind == "bearing" and int(train.bearings[int(number) - 1].flats or 4) > 4
 
 
 def part_names(train: Description | None, along: str, number: int) -> tuple[str, ...]:

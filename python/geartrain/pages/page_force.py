@@ -107,7 +107,7 @@ def largest_difference(
     mesh : int
         Its column.
     sign : float
-        Of the static force, in whose direction the force is told.
+        Of the static force, in whose direction the force is told; 0: in either direction.
     frequency, period : ndarray, (points,)
     orders : ndarray, (harmonics,)
         In multiples of Lambda/period.
@@ -127,7 +127,8 @@ def largest_difference(
         spectrum[orders] = samples / 2 * (row[1::2] - 1j * row[2::2])
         displacement = row[0] + np.fft.irfft(spectrum)
         velocity = np.fft.irfft(1j * np.arange(len(spectrum)) * spectrum) / period[point]
-        force = sign * force_of(law, frequency[point], angle * period[point], displacement, velocity)
+        force = force_of(law, frequency[point], angle * period[point], displacement, velocity)
+        force = sign * force if sign else np.abs(force)
         worst = max(worst, abs(force.max() - known[point, mesh]) / scale)
     return float(worst)
 

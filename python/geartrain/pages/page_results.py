@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.box import described
-from .._core.description import Description, contact_words, load_signs, part_names
+from .._core.description import Description, contact_words, is_of_ring, load_signs, part_names
 from .._core.extras import extra
 from .._core.units import hertz_of, in_own_unit, length_unit, speed_of, units_of
 from ..errors import InputError
@@ -281,7 +281,9 @@ def _laws(train: Description, branches: Sequence[Any], settled: Sequence[Any]) -
     laws = force_laws(train, float(tried[0][1][0]))
     off = []
     for mesh, (law, sign) in enumerate(zip(laws, load_signs(train))):
-        if any(largest_difference(law, mesh, sign, *values) > most for most, *values in tried):
+        # Of a ring of springs the sum of their mean forces is known, and not which of them bear it.
+        signs = (1, -1, 0) if is_of_ring(train, mesh) else (sign,)
+        if all(any(largest_difference(law, mesh, one, *values) > most for most, *values in tried) for one in signs):
             off.append(mesh)
     words = ", ".join(train.mesh_elements[mesh] for mesh in off)
     told = f"The force of {words} over time is not shown: its law is not one that this page can compute." if off else ""

@@ -12,6 +12,7 @@ module geartrain_network_parameter
    use geartrain_train_body, only: has_table_of_torque
    use geartrain_train_gear_error, only: has_gear_error
    use geartrain_train_mesh, only: mesh_type
+   use geartrain_train_mesh_groups, only: place_of
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -162,6 +163,8 @@ contains
          if (any(has_gear_error(train%meshes%gear_error(1)) .or. has_gear_error(train%meshes%gear_error(2)) .or. &
                  [(allocated(train%meshes(at)%error_table), at=1, size(train%meshes))])) parameter%direct = .false.
       end if
+      ! Further rows of a bearing follow from x.
+      if (parameter%group == 'bearing' .and. any(train%meshes%flats > 4)) parameter%direct = .false.
       ! Damping that follows from the modes changes with every number that they follow from.
       if (damps_by_modes(train) .and. any(modal_variables == parameter%variable)) parameter%direct = .false.
       parameter%direct = parameter%direct .or. parameter%derived
@@ -181,6 +184,8 @@ contains
       else if (parameter%derived .and. damps_by_modes(train) .and. any(modal_variables == parameter%variable)) then
          call refuse('not in force in this train: the drawing gives it, and loss_factor or modal_damping the damping that goes &
                      &with it: name a number of the drawing, or give it in the case')
+      else if (is_of_flats()) then
+         call refuse('not in force in this train alone: with more than four flats it is the same in x and y')
       else if (balances_others()) then
          call refuse('not in force in this train: the torque of this body balances those of all others')
       else if (is_toothed_radius()) then
@@ -191,6 +196,13 @@ contains
       end if
 
    contains
+
+      !> Whether it is a stiffness or damping of a bearing with more than four flats.
+      logical function is_of_flats()
+         is_of_flats = .false.
+         if (parameter%group /= 'bearing' .or. all(parameter%variable /= [character(9) :: 'stiffness', 'damping'])) return
+         is_of_flats = train%meshes(place_of(train%meshes, 'bearing', parameter%index))%flats > 4
+      end function is_of_flats
 
       !> Whether the torque of a table adds to the parameter.
       logical function adds_to_table()

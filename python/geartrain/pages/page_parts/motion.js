@@ -266,7 +266,7 @@ function duration(file, lambda, periods) {
 /** What the chosen motion has of all shafts, held bodies or planets, a row for each; null where that is nothing. */
 function partTable(file, series, point, along) {
   const names = Object.keys(data.quantities).filter((name) => data.quantities[name].along === along && series.values[name]);
-  if (!names.length) return null;
+  if (!names.length || !file.parts[along].length) return null;
   const words = (name) => `${quantityWords(name)}${data.quantities[name].unit === "1" ? "" : `, ${data.quantities[name].unit}`}`;
   const head = make("tr", {}, ...["", ...names.map(words)].map((text) => make("th", { scope: "col" }, text)));
   const rows = file.parts[along].map((label, column) =>
