@@ -89,7 +89,7 @@ module geartrain_flow_motion_fields
    character(*), parameter :: about_coordinate = 'coordinate of the state: the displacement of every elastic element, then the &
       &velocities; with damping to ground that of a body last', about_state = 'state at time 0: displacement of every elastic &
       &element / characteristic_length, then velocities / (characteristic_length times characteristic_frequency)', &
-      from_flow = 'from time integration, or shooting of a train with friction_torque'
+      from_flow = 'from time integration, or with friction_torque'
 
 contains
 
