@@ -289,7 +289,7 @@ contains
             if (.not. any(sticks)) cycle
             call range_words(ranges_of_points(branch%frequency_ratio(:n), sticks, [(.true., i=1, n)]), told, sheet%verbose, words)
             if (words == '') call told%with_unit(told%number(branch%frequency_ratio(findloc(sticks, .true., 1))), words)
-            call sheet%say(in_result, trim(names(mesh))//' sticks throughout at '//words//': its displacement is the middle of &
+            call sheet%say(in_result, trim(names(mesh))//' sticks throughout at '//words//': its displacement is the mean of &
                            &those that its friction holds.')
          end do
       end associate

@@ -1,5 +1,6 @@
-!> The twist of a coupling that sticks throughout the period. Its dry friction holds any twist of a range, and the train moves alike
-!> with all of them. The middle twist is the one at which friction has equal margins in both senses: it is there as long as any is.
+!> The twist of a coupling that sticks throughout the period. Its dry friction holds any twist at which the spring takes a torque of
+!> a range, and the train moves alike with all of them. The middle twist, the mean over this range, changes continuously along a
+!> branch, over plays too, and is there as long as any is.
 module geartrain_flow_held_twists
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
@@ -7,6 +8,7 @@ module geartrain_flow_held_twists
    use geartrain_flow_kept_states, only: keeps
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_sections, only: sections_type
+   use geartrain_mesh_law_law, only: law_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -79,9 +81,33 @@ contains
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
             if (.not. system%friction(j) > 0 .or. n > system%coordinates) cycle
-            if (held(n)) change(n) = system%law(j)%rest((largest(1, j) - largest(2, j))/2) - state(n)
+            if (held(n)) change(n) = mean_twist(system%law(j), largest(1, j) - system%friction(j), &
+                                                system%friction(j) - largest(2, j)) - state(n)
          end associate
       end do
    end subroutine find_middle_twists
+
+   !> Mean twist over a range of torques of the spring [1].
+   pure real(dp) function mean_twist(law, low, high) result(twist)
+      !> Law of the coupling.
+      type(law_type), intent(in) :: law
+      !> The range over k b_c [1].
+      real(dp), intent(in) :: low, high
+      real(dp) :: from, to
+      integer :: s
+
+      twist = law%rest((low + high)/2)
+      if (.not. high > low) return
+      twist = 0
+      from = low
+      do s = law%lowest, law%highest
+         ! The torque at the upper wall of the region, which ascends from region to region. In a play it is 0.
+         to = high
+         if (s < law%highest) to = max(from, min(high, law%stiffness(s)*(law%wall(s) - law%origin(s))))
+         ! The twist is linear in the torque between two walls.
+         twist = twist + (to - from)/(high - low)*law%rest((from + to)/2)
+         from = to
+      end do
+   end function mean_twist
 
 end module geartrain_flow_held_twists

@@ -27,7 +27,9 @@ contains
       logical :: there
       integer :: way
 
-      has_effect = .true.
+      ! A train with dry friction is one of another kind than a train without, whatever the amount.
+      has_effect = .not. parameter%variable == 'friction_torque' .or. abs(parameter%value) > 0
+      if (.not. has_effect) return
       if (parameter%plain .or. parameter%variable == variation .or. parameter%variable == 'phase') return
       step = drawing_step*merge(abs(parameter%value), 1.0_dp, abs(parameter%value) > 0)
       call derive(train, parameter, 0.0_dp, here, there)

@@ -144,8 +144,10 @@ contains
       end if
       ! Where the orders are high the program carries sets of harmonics, however high, but for longer periods.
       call check_common_period(train, 'response', checker, within)
-      if (within) call check_harmonics(train, settings%harmonics, settings%subharmonic, merge(highest_of_sets, most_harmonics, &
-                                       settings%harmonics == 0 .and. settings%subharmonic == 1), checker)
+      ! Shooting stores as many as time integration at least.
+      if (within .and. .not. has_friction(train)) &
+         call check_harmonics(train, settings%harmonics, settings%subharmonic, merge(highest_of_sets, most_harmonics, &
+                              settings%harmonics == 0 .and. settings%subharmonic == 1), checker)
       if (settings%samples > 0) then
          if (settings%harmonics == 0) then
             call checker%complain('samples', integer_text(settings%samples), 'must be 0 where harmonics = 0: with the harmonics &
