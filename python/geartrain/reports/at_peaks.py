@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Mapping
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
+from .._core.box import Box
 from .._core.description import Description
+from .._core.gradient import derivable
 from .._core.parameter import value_in
-from ..errors import InputError, NotDifferentiableWarning, SolverError
+from ..errors import InputError, NotDifferentiableWarning
 from ..results.order_table import named_spectrum
 from ..results.orders import gears_with_errors
 from .document import Document
@@ -43,7 +45,7 @@ def sensitivities(made: Document, branch: Any, train: Description) -> None:
         if motion is None or not peak.mesh_force_maximum:
             continue
         if not columns:
-            values = {name: values[name] for name in _accepted(motion, values)}
+            values = {name: values[name] for name in derivable(Box(copy=train._kept), values)}
         columns.append(_shares(motion, peak, values))
         at = f"Lambda {peak.frequency:.6g}" if peak.speed is None else f"{peak.speed:.6g} rpm"
         heads.append(f"{train.mesh_elements[peak.mesh - 1]} at {at}")
@@ -89,20 +91,6 @@ def _shares(motion: Any, peak: Any, values: Mapping[str, float]) -> dict[str, fl
         rates = motion.gradient("mesh_force_maximum", list(values))[peak.mesh - 1]
     return {name: float(rate) * value / peak.mesh_force_maximum for (name, value), rate in zip(values.items(), rates)
             if np.isfinite(rate)}
-
-
-def _accepted(motion: Any, names: Iterable[str]) -> list[str]:
-    """The names of numbers that have derivatives in this train; others are refused, as one that a given number replaces."""
-    kept = []
-    for name in names:
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", NotDifferentiableWarning)
-                motion.gradient("mean", [name])
-        except (InputError, SolverError):
-            continue
-        kept.append(name)
-    return kept
 
 
 def _parameters(train: Description, numbers: Mapping[str, Any]) -> dict[str, float]:
