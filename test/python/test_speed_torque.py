@@ -164,6 +164,11 @@ def test_a_fold_and_its_derivative():
     step = 1e-4 * TORQUE
     ahead, behind = (min((special.exact().frequency for special in folds(pair(TORQUE + sign * step))),
                          key=lambda f: abs(f - exact.frequency)) for sign in (1, -1))
+    # A curve in two parameters passes through the folds of other trains.
+    locus = pair().locus(fold, parameter="wheel torque", start=-1.02 * TORQUE, stop=-0.98 * TORQUE)
+    middle = len(locus.frequency) // 2
+    there = [special.exact().frequency for special in folds(pair(-locus.parameter[middle]))]
+    assert min(abs(there - locus.frequency[middle])) < 1e-9 * locus.frequency[middle]
     # The derivative is that of the balance with 12 harmonics.
     assert fold.gradient(["wheel torque"])[0] == pytest.approx(-(ahead - behind) / (2 * step), rel=2e-2)
 

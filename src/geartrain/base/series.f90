@@ -74,11 +74,13 @@ contains
 
    !> Multiplies a function by another one, each a mean and a series.
    pure subroutine multiply_series(factor_mean, factor, mean, series)
-      !> Mean of the factor [1] and its series.
+      !> Mean of the factor [1].
       real(dp), intent(in) :: factor_mean
+      !> Series of the factor [1].
       type(series_type), intent(in) :: factor
-      !> Mean and series of the function, then of the product.
+      !> Mean of the function, then of the product [unit of the function].
       real(dp), intent(inout) :: mean
+      !> Series of the function, then of the product.
       type(series_type), intent(inout) :: series
       type(series_type) :: product, term
       real(dp) :: constant

@@ -35,8 +35,9 @@ contains
       type(train_type), intent(in) :: train
       !> Its network.
       type(network_type), intent(in) :: network
-      !> Body of each fluctuating torque, (torque); acceleration of each element per torque over b_c, (element, torque).
+      !> Body of each fluctuating torque, (torque).
       integer, intent(in) :: torque_body(:)
+      !> Acceleration of each element per torque over b_c [m/(N m)], (element, torque).
       real(dp), intent(in) :: torque_gain(:, :)
       !> Torque paths of the train.
       type(torque_paths_type), intent(in) :: paths

@@ -111,9 +111,9 @@ contains
       real(dp), intent(in) :: teeth
       !> Lag of the mesh [rad of the mesh cycle].
       real(dp), intent(in) :: phase
-      !> Contact ratio over which pitch errors as steps are smoothed [1], 0: a polynomial joins them; harmonics of the mesh cycle up
-      !> to which steps are taken.
+      !> Contact ratio over which pitch errors as steps are smoothed [1], 0: a polynomial joins them.
       real(dp), intent(in) :: contact_ratio
+      !> Harmonics of the mesh cycle up to which steps are taken.
       integer, intent(in) :: cycle_harmonics
       !> Mean of the pitch errors [m].
       real(dp), intent(out) :: mean
