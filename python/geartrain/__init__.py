@@ -61,6 +61,7 @@ from .results.sweep import Sweep
 from .results.trajectory import Trajectory
 from .studies.space import Space
 from .studies.study import Study, StudyExplanation, read_study
+from .studies.tolerance_class import pitch_errors
 from .train import Train
 from .variables import Bearing, Body, Coupling, Mesh, Planetary, Shaft
 
@@ -109,6 +110,7 @@ __all__ = [
     "Train",
     "Trajectory",
     "page",
+    "pitch_errors",
     "plot_style",
     "read_case",
     "read_results",

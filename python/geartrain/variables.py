@@ -42,6 +42,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "revolution_torque_sin": Variable("revolution_torque_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [N m]"),
         "torque_table": Variable("torque_table", "reals", "Series", None, False, "Torque at 4 or more equidistant angles of torque_revolutions from the beginning, joined by a trigonometric polynomial; adds to the other torques; every mesh must have teeth; [N m]"),
         "torque_revolutions": Variable("torque_revolutions", "integer", "int", 1, False, "Revolutions over which torque_table goes; 2: four strokes; >= 1 and <= 2"),
+        "torque_speed_exponent": Variable("torque_speed_exponent", "real", "float", 0.0, False, "The mean torque goes with this power of the speed: 2 of propellers and fans, -1 at constant power; 0: the same at all speeds. Every mesh must have teeth, whose stiffness stays that of the torque as given; the slope of the torque damps no vibration; >= -4 and <= 4"),
+        "torque_speed": Variable("torque_speed", "real", "float", None, False, "Speed of the body at which the mean torque is as given, where it follows the speed; [rpm]; > 0"),
         "damping_to_ground": Variable("damping_to_ground", "real", "float", 0.0, False, "Damping of the vibration of the body against the ground; give a mean drag as torque; [N m s/rad]; >= 0"),
         "stiffness_to_ground": Variable("stiffness_to_ground", "real", "float", 0.0, False, "Stiffness of a spring between the body and the ground; it bears a mean torque, and the body cannot turn; [N m/rad]; >= 0"),
         "held": Variable("held", "logical", "bool", False, False, "The body stands still, as a housing; its reaction torque is a result"),
@@ -143,16 +145,19 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
         "error_table": Variable("error_table", "reals", "Series", None, False, "Transmission error at 4 or more equidistant instants of a mesh cycle, joined by a trigonometric polynomial, in place of error_cos and error_sin; its mean adds to error_mean; [m]; >= -1 and <= 1"),
         "error_mean": Variable("error_mean", "real", "float", 0.0, False, "Constant part of the transmission error, of placement and tooth thickness; positive: towards contact of the drive flanks. It matters in loops of gears alone, as between planets; [m]"),
-        "driving_pitch_error": Variable("driving_pitch_error", "reals", "Series", None, False, "Cumulative pitch errors of the driving gear, one a tooth in the order in which the teeth engage, along the line of action, joined by a trigonometric polynomial; positive: towards the mate. Every mesh must have teeth; [m]; >= -1 and <= 1"),
+        "driving_pitch_error": Variable("driving_pitch_error", "reals", "Series", None, False, "Cumulative pitch errors of the driving gear, one a tooth in the order in which the teeth engage, along the line of action; positive: towards the mate. Every mesh must have teeth; [m]; >= -1 and <= 1"),
+        "driving_tooth_stiffness": Variable("driving_tooth_stiffness", "reals", "Series", None, False, "Stiffness of each tooth of the driving gear over that of a sound tooth, in the order of the pitch errors: 0.7 of a cracked tooth, 0 of a missing one. A factor of the mesh stiffness, which a cosine leads from tooth to tooth; >= 0 and <= 10"),
         "driving_runout": Variable("driving_runout", "real", "float", 0.0, False, "Amplitude of the error by eccentricity of the driving gear, along the line of action, once a revolution; [m]; >= 0 and <= 1"),
         "driving_runout_phase": Variable("driving_runout_phase", "real", "float", 0.0, False, "Angle of the driving gear at which its runout is largest, from the beginning of the first mesh cycle; [rad]"),
         "driving_error_cos": Variable("driving_error_cos", "reals", "Series", None, False, "Cosine amplitudes of the error of the driving gear, orders 1, 2, ... of its revolution, on a carrier against it; they add to pitch errors and runout; [m]; >= -1 and <= 1"),
         "driving_error_sin": Variable("driving_error_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [m]; >= -1 and <= 1"),
-        "driven_pitch_error": Variable("driven_pitch_error", "reals", "Series", None, False, "Cumulative pitch errors of the driven gear, one a tooth in the order in which the teeth engage, along the line of action, joined by a trigonometric polynomial; positive: towards the mate. Every mesh must have teeth; [m]; >= -1 and <= 1"),
+        "driven_pitch_error": Variable("driven_pitch_error", "reals", "Series", None, False, "Cumulative pitch errors of the driven gear, one a tooth in the order in which the teeth engage, along the line of action; positive: towards the mate. Every mesh must have teeth; [m]; >= -1 and <= 1"),
+        "driven_tooth_stiffness": Variable("driven_tooth_stiffness", "reals", "Series", None, False, "Stiffness of each tooth of the driven gear over that of a sound tooth, in the order of the pitch errors: 0.7 of a cracked tooth, 0 of a missing one. A factor of the mesh stiffness, which a cosine leads from tooth to tooth; >= 0 and <= 10"),
         "driven_runout": Variable("driven_runout", "real", "float", 0.0, False, "Amplitude of the error by eccentricity of the driven gear, along the line of action, once a revolution; [m]; >= 0 and <= 1"),
         "driven_runout_phase": Variable("driven_runout_phase", "real", "float", 0.0, False, "Angle of the driven gear at which its runout is largest, from the beginning of the first mesh cycle; [rad]"),
         "driven_error_cos": Variable("driven_error_cos", "reals", "Series", None, False, "Cosine amplitudes of the error of the driven gear, orders 1, 2, ... of its revolution, on a carrier against it; they add to pitch errors and runout; [m]; >= -1 and <= 1"),
         "driven_error_sin": Variable("driven_error_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [m]; >= -1 and <= 1"),
+        "pitch_error_form": Variable("pitch_error_form", "text", "Literal['polynomial', 'steps']", "polynomial", False, "Polynomial through the pitch errors, or steps from tooth to tooth, smoothed over the time in which two pairs bear by the contact ratio, which must be known; 'polynomial' or 'steps'"),
         "line_of_action": Variable("line_of_action", "real", "float", 0.0, False, "Of bodies on bearings: direction in which the driving gear pushes the driven gear, from the x axis towards the y axis; default: from the positions of the axes; [degree]; >= -360 and <= 360"),
         "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh has them, else 1; >= 1 and <= 1.0e6, or 0"),
     },
@@ -304,6 +309,8 @@ class Body(Part, variables=VARIABLES["body"]):
     revolution_torque_sin: Series | None = None
     torque_table: Series | None = None
     torque_revolutions: int | None = None
+    torque_speed_exponent: float | None = None
+    torque_speed: float | None = None
     damping_to_ground: float | None = None
     stiffness_to_ground: float | None = None
     held: bool | None = None
@@ -418,15 +425,18 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     error_table: Series | None = None
     error_mean: float | None = None
     driving_pitch_error: Series | None = None
+    driving_tooth_stiffness: Series | None = None
     driving_runout: float | None = None
     driving_runout_phase: float | None = None
     driving_error_cos: Series | None = None
     driving_error_sin: Series | None = None
     driven_pitch_error: Series | None = None
+    driven_tooth_stiffness: Series | None = None
     driven_runout: float | None = None
     driven_runout_phase: float | None = None
     driven_error_cos: Series | None = None
     driven_error_sin: Series | None = None
+    pitch_error_form: Literal["polynomial", "steps"] | None = None
     line_of_action: float | None = None
     order: int | None = None
 

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 from math import pi, sin
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from conftest import ROOT, reducer
 import geartrain as gt
 from geartrain.reports.kv import Pair, dynamic_factor
 from geartrain.reports.report_command import main
-from geartrain.reports.report_file import _pair
+from geartrain.reports.report_file import _pair, document_of
 
 pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 
@@ -129,3 +130,53 @@ def test_the_resonance_is_that_of_the_pair_alone():
                         stiffness=told["mesh 1"]["stiffness"])])
     assert pair.resonance * 23 / 60 == pytest.approx(float(alone.natural_frequencies(unit="Hz")[0]), rel=1e-12)
     assert pair.deviation == 3e-6 and np.isclose(pair.line_load, told["mesh 1"]["line_load"])
+
+
+def table_under(page, heading):
+    """Rows of the table that follows a heading."""
+    part = page[page.index(f"<h2>{heading}"):]
+    return [re.findall(r"<t[dh]>(.*?)</t[dh]>", row) for row in re.findall(r"<tr>(.*?)</tr>", part[:part.index("</table>")])]
+
+
+@pytest.mark.full  # draws pictures of two responses
+def test_sensitivities_and_sidebands(tmp_path):
+    """Sensitivities against other trains; the orders of the pinion of the pages."""
+    case = gt.read_case(ROOT / "namelists" / "pitch_errors.nml").train
+    mesh = replace(case.meshes[0], driven_runout=None, driven_runout_phase=None, error_cos=None)
+    sound = replace(case, meshes=[replace(mesh, driving_pitch_error=None)])
+    asked = {"start": 6500.0, "stop": 7200.0, "unit": "rpm"}
+    branch = sound.response(**asked, harmonics=3)
+    text = branch.report(tmp_path / "a.html")
+    assert text == branch.report()
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    rows = {row[0]: [float(cell) for cell in row[1:]] for row in table_under(page, "Sensitivities")[1:]}
+    assert "Orders and sidebands" not in page
+    # Against the same motion of two other trains each; the table has three decimals.
+    first = max(branch.peaks(), key=lambda peak: peak.dynamic_factor)
+    for name, own in (("motor torque", 90.0), ("mesh 1 stiffness", sound.explain()["mesh 1"]["stiffness"])):
+        force = [sound.with_values({name: own * factor}).response(
+            start=0.999 * first.speed, stop=1.001 * first.speed, unit="rpm", harmonics=3).at(first.speed, unit="rpm")[0]
+            .mesh_force_maximum[0] for factor in (1.001, 0.999)]
+        assert rows[name][0] == pytest.approx((force[0] - force[1]) / 0.002 / first.mesh_force_maximum, abs=2e-3)
+
+    train = sound.with_values({"mesh 1 driving_pitch_error": mesh.driving_pitch_error})
+    sweep = train.sweep(start=3400.0, stop=3500.0, points=2, unit="rpm")
+    motion = max(sweep, key=lambda one: one.mesh_force_maximum[0])
+    made = document_of(SimpleNamespace(response=None, modes=None, run_up=None, integration=sweep), "")
+    rows = next(rows for kind, rows in made.blocks if kind == "table" and "what it comes from" in rows[0])
+    names = {row[1]: float(row[2]) for row in rows[1:]}
+    orders = motion.orders(least=1e-4)
+    for name, amplitude in names.items():
+        assert amplitude == pytest.approx(float(orders.amplitude[list(orders.owner.values).index(name), 0]), rel=1e-3)
+    assert {"mesh 1", "1 x mesh 1 - 1 x pinion"} <= names.keys() and any(name.endswith("pinion") for name in names)
+
+
+def test_whole_lists_as_values():
+    train = gt.read_case(ROOT / "namelists" / "pitch_errors.nml").train
+    changed = train.with_values({"mesh 1 driving_pitch_error": np.arange(20) * 1e-7, "motor torque": 80.0})
+    assert changed.meshes[0].driving_pitch_error == pytest.approx(np.arange(20) * 1e-7) and changed.bodies[0].torque == 80.0
+    for values, words in (({"motor torque": [1.0, 2.0]}, "one value"),
+                          ({"mesh 1 driving_pitch_error": ["a"]}, "one value"),
+                          ({"mesh 1 driving_pitch_error": [0.0] * 3}, "each of the 20")):
+        with pytest.raises(gt.InputError, match=words):
+            train.with_values(values)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from .box import Box
 from .warn import warn
 from .watch import quiet, watched
 
-__all__ = ["gradient_of", "refuse_without_effect"]
+__all__ = ["derivable", "gradient_of", "refuse_without_effect"]
 
 Array = NDArray[np.float64]
 
@@ -37,6 +37,22 @@ def gradient_of(
     if told:
         warn(NotDifferentiableWarning(told))
     return values
+
+
+def derivable(box: Box, parameters: Iterable[str]) -> list[str]:
+    """The names that have derivatives in the train of a box, which is closed: others are refused, as of a number not in force."""
+    left = list(parameters)
+    with box:
+        while left:
+            try:
+                box.gradient("/parameters", "\n".join(left), quiet(), 0, 0.0, np.zeros((1, 1)))
+                break
+            except InputError as error:
+                refused = [name for name in left if f'parameter "{name}"' in str(error)]
+                if not refused:
+                    raise
+                left = [name for name in left if name not in refused]
+    return left
 
 
 def refuse_without_effect(box: Box, parameters: Sequence[str]) -> None:

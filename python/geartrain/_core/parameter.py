@@ -292,7 +292,7 @@ def assigned(
             now = list(own_value(target, train, settings)) if known is None else known
             now[target.element - 1] = value
             value = now
-        elif _is_list(target):
+        elif _is_list(target) and not isinstance(value, list):
             value = [value]
         place[target.variable] = value
     own = changes.pop("train", {})
@@ -311,21 +311,35 @@ def with_values(train: AnyTrain, values: Mapping[str, Any]) -> AnyTrain:
     """The train with the values of parameters in place of its own."""
     targets: list[Target] = []
     numbers: list[Any] = []
+    lists: dict[Target, Any] = {}
     if not isinstance(values, Mapping):
         raise InputError(f"values = {shown(values)}: must be a mapping of values by names")
     for key, value in values.items():
         name = label(key)
         if not isinstance(value, (str, bool, Real, np.generic)) and getattr(value, "shape", None) != ():
-            raise InputError(f"parameter {shown(name)}: {shown(value)}: must be one value; those of a list are set one by one, "
-                             "as in 'mesh 1 stiffness_cos 2'")
+            lists |= _list_of(train, name, value)
+            continue
         if _VARIATION in name.replace(" ", "").split(","):
             train = _with_harmonics_given(train)
         found = targets_of(name, train, "train", {})
         add_targets(name, found, targets)
         numbers += [checked_column(target, np.asarray([value]))[0].item() for target in found]
-    changed = assigned(train, {}, targets, numbers)[0]
-    check_effects(changed, targets)
+    for target in lists:
+        add_targets(target.place, [target], targets)
+    changed = assigned(train, {}, targets, [*numbers, *lists.values()])[0]
+    check_effects(changed, [target for target in targets if target not in lists])
     return changed
+
+
+def _list_of(train: Description, name: str, values: Any) -> dict[Target, list[float]]:
+    """All values of a list of numbers, by the variables that take them."""
+    place, _, variable = name.rpartition(" ")
+    row = VARIABLES.get(_places(train, "train").get(place or "train", [""])[0].partition(" ")[0], {}).get(variable)
+    numbers = np.asarray(values)
+    if row is None or row.kind != "reals" or numbers.ndim != 1 or numbers.dtype.kind not in "iuf":
+        raise InputError(f"parameter {shown(name)}: {shown(values)}: must be one value, or numbers of a list; a value of a list is "
+                         "named by its number, as in 'mesh 1 stiffness_cos 2'")
+    return {Target(part, variable, 0): [float(value) for value in numbers] for part in _places(train, "train")[place or "train"]}
 
 
 def check_effects(train: Description, targets: Sequence[Target]) -> None:

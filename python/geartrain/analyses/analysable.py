@@ -38,7 +38,7 @@ class Analysable(Description):
             in degrees. The names are those of `Space` and `Motion.gradient`: ``'input_torque'``, ``'mesh 2 half_backlash'``,
             ``'mesh * damping_ratio'`` of all meshes, ``'mesh 1 stiffness_cos 2'`` of a list, ``'stiffness_variation'``, the largest
             amplitude of all harmonics of the mesh stiffnesses, which the train then gives in place of what they follow from; a
-            tuple of names for several with the same value.
+            tuple of names for several with the same value. A list, ``'mesh 1 driving_pitch_error'``, takes all its numbers.
 
         Raises
         ------

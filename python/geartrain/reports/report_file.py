@@ -13,6 +13,7 @@ from .._core.box import Box
 from .._core.description import Description
 from .._core.extras import extra
 from ..errors import InputError, shown
+from .at_peaks import sensitivities, sidebands
 from .document import Document
 from .kv import Pair, dynamic_factor
 
@@ -67,6 +68,8 @@ def document_of(results: Any, text: str) -> Document:
         if train is not None:
             _dynamic_factors(made, results.response, train)
             _load_sharing(made, results.response, train)
+            sensitivities(made, results.response, train)
+            sidebands(made, results, train)
         for name, lines in sections.items():
             made.heading(name.capitalize())
             made.printed(lines)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from numbers import Integral, Real
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from .._core.watch import watched
 from ..errors import InputError, SolverError, shown
 from ..pages.page import Page, page
 from ..plots.response_plot import Curves
+from ..reports.report_file import write_report
 from .audit import Audit
 from .motion import Motion
 from .motion_table import motions_of
@@ -154,11 +156,13 @@ class Branch(Curves):
     def __repr__(self) -> str:
         return f"<Branch of {len(self)} {'point' if len(self) == 1 else 'points'}: {in_own_unit(self.ended, self.train)}>"
 
-    def report(self, *, verbose: bool = False) -> str:
+    def report(self, path: str | os.PathLike[str] | None = None, *, verbose: bool = False) -> str:
         """The report that the executable prints of this branch and its ``branches``: `str` of a branch is the same text.
 
         Parameters
         ----------
+        path : path-like, optional
+            Where to write it as a document, ``.pdf`` or ``.html``: see `Results.report`.
         verbose : bool
             Every peak, jump, special point and range, as with ``--verbose``.
 
@@ -169,7 +173,10 @@ class Branch(Curves):
         with self._box() as box:
             for place, branch in enumerate(self.branches, 1):
                 branch._put(box, place)
-            return box.report(verbose)
+            text = box.report(verbose)
+        if path is not None:
+            write_report(SimpleNamespace(response=self, modes=None, run_up=None, integration=None), path, text)
+        return text
 
     def at(self, frequency: float, *, unit: Unit = "Lambda") -> list[Motion]:
         """Every solution of this branch at exactly that frequency, in their order along the branch.

@@ -4,6 +4,7 @@ module geartrain_analyses_load_sentences
    use geartrain_base_numbers, only: significant, text
    use geartrain_network_network, only: balance_torques
    use geartrain_network_system, only: build_system, system_type
+   use geartrain_train_body, only: follows_speed
    use geartrain_train_mesh, only: mesh_type
    use geartrain_train_names, only: list_numbers
    use geartrain_train_train, only: train_type
@@ -75,6 +76,8 @@ contains
                if (n > most) cycle
                if (n > 1) words = words//', '
                words = words//significant(body%torque)//' N m on '//body%name
+               if (follows_speed(body)) words = words//' at its '//significant(body%torque_speed)//' rpm, with the power '// &
+                                                significant(body%torque_speed_exponent)//' of the speed'
             end associate
          end do
          if (n > most) words = words//', and '//text(n - most)//' more torques'

@@ -384,6 +384,8 @@ contains
             call sheet%add(in_run_up, what//repeat(' ', width - len(what))//in_width(significant(minval(low)), 12)//'  '// &
                            at_low(:11)//in_width(significant(maxval(high)), 12)//'  '//at_high)
          end associate
+         ! Torques that follow the speed have no mean over the run-up that would compare.
+         if (allocated(steady%speed_loads)) return
          associate (scale => system%stiffness(element)*system%characteristic_length*radius)
             usual = scale*steady%static_force(element)
             mean = scale*system%static_force(element)

@@ -9,7 +9,7 @@ module geartrain_balance_balance
    use geartrain_network_excitation, only: excited_harmonics
    use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_receptance, only: find_receptance, linear_displacements, receptance_type
-   use geartrain_network_system, only: system_type
+   use geartrain_network_system, only: put_speed, system_type
    implicit none (type, external)
    private
    public :: balance_type
@@ -144,10 +144,16 @@ contains
       complex(dp) :: s, ds, force, d_force
       integer :: i, k, r, n
 
+      call put_speed(self%system, frequency_ratio)
       call self%find_forces(u, frequency_ratio)
       call self%mean_product(self%force(1, :), u(1, :), self%residual(1, :))
       self%residual(1, :) = self%residual(1, :) - self%system%mean%static_force
       self%d_frequency(1, :) = 0
+      if (allocated(self%system%speed_loads)) then
+         associate (loads => self%system%speed_loads)
+            self%d_frequency(1, :) = -matmul(loads%mean, loads%rates_at(frequency_ratio))
+         end associate
+      end if
       do k = 1, size(self%harmonic)
          r = self%harmonic(k)
          call find_receptance(self%system, frequency_ratio, r, self%eta, self%receptance(k))

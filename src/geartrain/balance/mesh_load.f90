@@ -101,9 +101,11 @@ contains
    end function load_resolution
 
    !> Sets the largest force and the dynamic factor of a mesh.
-   pure subroutine put_force(system, mesh, largest, largest_reversed, load)
+   pure subroutine put_force(system, static_force, mesh, largest, largest_reversed, load)
       !> The train.
       type(system_type), intent(in) :: system
+      !> Force of each element at rest at the speed of the motion, over k b_c [1], (element).
+      real(dp), intent(in) :: static_force(:)
       !> Number of the mesh.
       integer, intent(in) :: mesh
       !> Largest value of phi and largest value of -phi over the period [1].
@@ -113,10 +115,10 @@ contains
 
       associate (n => system%mesh_element(mesh))
          load%force_maximum = max(largest, largest_reversed)
-         if (system%static_force(n) > 0) load%force_maximum = largest
-         if (system%static_force(n) < 0) load%force_maximum = largest_reversed
+         if (static_force(n) > 0) load%force_maximum = largest
+         if (static_force(n) < 0) load%force_maximum = largest_reversed
          load%dynamic_factor = -1
-         if (abs(system%static_force(n)) > 0) load%dynamic_factor = load%force_maximum/abs(system%static_force(n))
+         if (abs(static_force(n)) > 0) load%dynamic_factor = load%force_maximum/abs(static_force(n))
          load%force_maximum = load%force_maximum*system%load_unit(mesh)
       end associate
    end subroutine put_force
@@ -167,7 +169,7 @@ contains
          if (.not. system%static_force(n) < 0) largest = top(force, 1, u, harmonic, law, self%eta, frequency_ratio, contact)
          if (.not. system%static_force(n) > 0) reversed = top(force, -1, u, harmonic, law, self%eta, frequency_ratio, contact)
       end associate
-      call put_force(system, mesh, largest, reversed, load)
+      call put_force(system, system%static_force, mesh, largest, reversed, load)
    end subroutine read_force
 
    !> Largest value of side*phi [1]: Newton's method on the slope from the highest maxima among the samples, and both sides of every

@@ -3,7 +3,7 @@ module geartrain_base_series
    use geartrain_base_kinds, only: dp, pi
    implicit none (type, external)
    private
-   public :: series_type, add_series, delay, make_series, table_harmonics, wave_value
+   public :: series_type, add_series, delay, make_series, multiply_series, table_harmonics, wave_value, window_harmonics
 
    !> Sum over i of Re(amplitude(i) exp(i harmonic(i) Lambda t)).
    type :: series_type
@@ -71,6 +71,73 @@ contains
       series%harmonic = harmonic(:n)
       series%amplitude = amplitude(:n)
    end subroutine add_series
+
+   !> Multiplies a function by another one, each a mean and a series.
+   pure subroutine multiply_series(factor_mean, factor, mean, series)
+      !> Mean of the factor [1].
+      real(dp), intent(in) :: factor_mean
+      !> Series of the factor [1].
+      type(series_type), intent(in) :: factor
+      !> Mean of the function, then of the product [unit of the function].
+      real(dp), intent(inout) :: mean
+      !> Series of the function, then of the product.
+      type(series_type), intent(inout) :: series
+      type(series_type) :: product, term
+      real(dp) :: constant
+      integer :: i, j, order
+
+      constant = factor_mean*mean
+      product%harmonic = series%harmonic
+      product%amplitude = factor_mean*series%amplitude
+      call add_series(series_type(factor%harmonic, mean*factor%amplitude), product)
+      do i = 1, size(factor%harmonic)
+         do j = 1, size(series%harmonic)
+            ! cos a cos b is the mean of the cosines of the sum and of the difference.
+            term%harmonic = [factor%harmonic(i) + series%harmonic(j)]
+            term%amplitude = [factor%amplitude(i)*series%amplitude(j)/2]
+            call add_series(term, product)
+            order = factor%harmonic(i) - series%harmonic(j)
+            term%harmonic = [abs(order)]
+            term%amplitude = [factor%amplitude(i)*conjg(series%amplitude(j))/2]
+            if (order < 0) term%amplitude = conjg(term%amplitude)
+            if (order == 0) then
+               constant = constant + term%amplitude(1)%re
+            else
+               call add_series(term, product)
+            end if
+         end do
+      end do
+      mean = constant
+      series = product
+   end subroutine multiply_series
+
+   !> Harmonics of the sum of equidistant windows, each times its value of a table: window j is centred at the beginning of the part
+   !> j of the period and reaches over its neighbours.
+   pure subroutine window_harmonics(table, transform, mean, cosine, sine)
+      !> Values in any unit, (value).
+      real(dp), intent(in) :: table(:)
+      !> Fourier transform of the window, whose integral is one part of the period, at the harmonics 1, 2, ... [1], (harmonic).
+      real(dp), intent(in) :: transform(:)
+      !> Mean value.
+      real(dp), intent(out) :: mean
+      !> Amplitudes of the harmonics; 0 for those that are rounding, (harmonic).
+      real(dp), allocatable, intent(out) :: cosine(:), sine(:)
+      real(dp) :: angle
+      integer :: h, j, n
+
+      n = size(table)
+      mean = sum(table)/n
+      allocate (cosine(size(transform)), sine(size(transform)), source=0.0_dp)
+      do h = 1, size(transform)
+         do j = 1, n
+            angle = 2*pi*modulo(h*(j - 1), n)/n
+            cosine(h) = cosine(h) + 2*transform(h)*table(j)*cos(angle)/n
+            sine(h) = sine(h) + 2*transform(h)*table(j)*sin(angle)/n
+         end do
+      end do
+      where (abs(cosine) <= 4*epsilon(1.0_dp)*maxval(abs(table))) cosine = 0
+      where (abs(sine) <= 4*epsilon(1.0_dp)*maxval(abs(table))) sine = 0
+   end subroutine window_harmonics
 
    !> Trigonometric polynomial of least degree through equidistant values of a period, the first at its beginning.
    pure subroutine table_harmonics(table, mean, cosine, sine)

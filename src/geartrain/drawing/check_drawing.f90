@@ -5,7 +5,7 @@ module geartrain_drawing_check_drawing
    use geartrain_base_numbers, only: integer_text, ordinal, real_text, text, whole
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, pair_of
    use geartrain_drawing_gear_pair, only: find_geometry, pair_geometry_type
-   use geartrain_train_body, only: body_type, has_table_of_torque, pulses
+   use geartrain_train_body, only: body_type, follows_speed, has_table_of_torque, pulses
    use geartrain_train_gear_error, only: first_variable, gear_words, has_gear_error
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, most_order
@@ -68,6 +68,14 @@ contains
                                &width; bore and density one value or as many, each bore less than its outer_diameter')
       else if (.not. is_given(body%width) .and. (is_given(body%bore) .or. is_given(body%density))) then
          call checker%lacks('outer_diameter', '> 0 m', ' and width, to which bore and density belong')
+      end if
+      if (follows_speed(body)) then
+         if (.not. body%torque_speed > 0) call checker%lacks('torque_speed', '> 0 rpm', ', the speed at which the torque is as &
+                                                                                        &given')
+         if (body%balances) call checker%complain('torque_speed_exponent', real_text(body%torque_speed_exponent), 'contradicts &
+            &balances = .true.: its mean torque follows from the others; let the body at the other end of the train balance')
+      else if (body%torque_speed > 0) then
+         call checker%lacks('torque_speed_exponent', 'not 0', ', to which torque_speed belongs')
       end if
       if (.not. has_table_of_torque(body)) then
          if (body%torque_revolutions /= 1) call checker%lacks('torque_table', 'N m', ', to which torque_revolutions belongs')
@@ -238,9 +246,19 @@ contains
 
          if (.not. is_given(mesh%teeth)) return
          if (size(mesh%teeth) /= 2) return
+         if (mesh%pitch_error_form == 'steps' .and. .not. (mesh%contact_ratio > 0 .or. has_geometry(mesh))) &
+            call checker%lacks('contact_ratio', '> 1', ', over which pitch errors as steps are smoothed, or the drawing')
          do gear = 1, 2
             ! Teeth out of range, which are told by themselves, may have no place in an integer.
             associate (error => mesh%gear_error(gear), teeth => mesh%teeth(gear))
+               if (is_given(error%tooth_stiffness)) then
+                  if (.not. abs(size(error%tooth_stiffness) - teeth) < 0.5_dp) &
+                     call checker%complain(trim(gear_words(gear))//'_tooth_stiffness', &
+                                           integer_text(size(error%tooth_stiffness))//' values', 'must have a value for each &
+                                           &of the '//text(teeth)//' teeth')
+                  if (.not. any(error%tooth_stiffness > 0)) call checker%complain(trim(gear_words(gear))//'_tooth_stiffness', &
+                     '0', 'must be > 0 for some teeth: else no tooth bears')
+               end if
                if (.not. is_given(error%pitch)) cycle
                if (abs(size(error%pitch) - teeth) < 0.5_dp) cycle
                call checker%complain(trim(gear_words(gear))//'_pitch_error', integer_text(size(error%pitch))//' values', &
@@ -290,9 +308,10 @@ contains
          do i = 1, size(train%bodies)
             ! A plain train has no teeth any more, but the speed that followed from them.
             if (toothed .or. unknown .or. train%speed_ratio > 0) cycle
-            if (.not. pulses(train%bodies(i))) cycle
+            if (.not. (pulses(train%bodies(i)) .or. follows_speed(train%bodies(i)))) cycle
             call checker%enter('body', i)
             name = 'revolution_torque_sin'
+            if (.not. pulses(train%bodies(i))) name = 'torque_speed_exponent'
             if (is_given(train%bodies(i)%revolution_torque_cos)) name = 'revolution_torque_cos'
             if (has_table_of_torque(train%bodies(i))) name = 'torque_table'
             call checker%complain(trim(name), '...', &
@@ -319,6 +338,13 @@ contains
             &beyond '//integer_text(most_order)//': give order and the radii in place of the teeth', 'train', 1, names_group=.true.)
          return
       end if
+      do i = 1, merge(size(found%turning%speed), 0, allocated(train%bodies))
+         if (.not. follows_speed(train%bodies(i)) .or. abs(found%turning%speed(i)) > 0) cycle
+         call checker%enter('body', i)
+         call checker%complain('torque_speed_exponent', real_text(train%bodies(i)%torque_speed_exponent), 'must be left out: the &
+            &body stands still')
+         call checker%leave()
+      end do
       do i = 1, size(train%meshes)
          if (.not. train%meshes(i)%is_pair()) cycle
          call checker%enter('mesh', i)

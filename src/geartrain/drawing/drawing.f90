@@ -11,7 +11,7 @@ module geartrain_drawing_drawing
       pair_stiffness_type, rectangular_wave
    use geartrain_train_bearing_rows, only: put_rows
    use geartrain_train_bodies, only: find_ends
-   use geartrain_train_body, only: body_type, plain_torque
+   use geartrain_train_body, only: body_type, follows_speed, plain_torque
    use geartrain_train_gear_error, only: make_plain
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: has_table, is_given, mesh_type, plain_coupling, plain_mesh
@@ -97,6 +97,9 @@ contains
             end do
             if (allocated(plain%bodies)) plain%bodies%revolution_order = max(1, found%revolution_order)
             plain%speed_ratio = found%speed_ratio
+            if (allocated(plain%bodies)) then
+               where (follows_speed(plain%bodies)) plain%bodies%turns = abs(found%turning%speed)*found%speed_ratio
+            end if
             if (.not. abs(train%characteristic_frequency) > 0) &
                plain%characteristic_frequency = 2*pi/60/found%speed_ratio
          end if
@@ -118,10 +121,12 @@ contains
       type(gear_pair_type) :: pair
       type(pair_geometry_type) :: geometry
       type(pair_stiffness_type) :: stiffness
-      real(dp) :: mean
+      real(dp) :: mean, smoothing
       integer :: h
 
       derived = plain
+      smoothing = 0
+      if (mesh%pitch_error_form == 'steps') smoothing = mesh%contact_ratio
       if (has_geometry(mesh)) then
          pair = pair_of(mesh)
          call find_geometry(pair, geometry)
@@ -129,6 +134,7 @@ contains
          if (.not. abs(mesh%driven_radius) > 0) derived%driven_radius = geometry%base_radius(2)
          if (.not. abs(mesh%half_backlash) > 0) derived%half_backlash = geometry%half_backlash
          if (mesh%contact_ratio > 0) geometry%contact_ratio = mesh%contact_ratio
+         if (mesh%pitch_error_form == 'steps') smoothing = geometry%contact_ratio
          if (has_stiffness(mesh)) then
             call find_stiffness(pair, geometry, 0.0_dp, stiffness)
             derived%stiffness = stiffness%mesh*mesh%face_width
@@ -143,7 +149,8 @@ contains
       if (allocated(derived%teeth)) then
          if (size(derived%teeth) == 2) then
             do h = 1, 2
-               call make_plain(derived%gear_error(h), max(1.0_dp, derived%teeth(h)), derived%phase, mean)
+               call make_plain(derived%gear_error(h), max(1.0_dp, derived%teeth(h)), derived%phase, smoothing, &
+                               derived%stiffness_harmonics, mean)
                derived%error_mean = derived%error_mean + mean
             end do
          end if

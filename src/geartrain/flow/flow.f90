@@ -378,6 +378,8 @@ contains
                self%excitation(:, n) = self%excitation(:, n) + system%torque_gain(n, j)*torque
             end do
          end do
+         if (allocated(system%speed_loads)) call system%speed_loads%accelerate(self%frequency_ratio &
+                                                         + self%acceleration*self%time, self%acceleration, self%excitation)
          do j = 1, system%meshes
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             error = 0

@@ -17,7 +17,7 @@ module geartrain_flow_orbit
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: transform_length
    use geartrain_network_excitation, only: excited_harmonics, reach_of_sources
-   use geartrain_network_system, only: system_type
+   use geartrain_network_system, only: static_forces_at, system_type
    implicit none (type, external)
    private
    public :: begin_tangents, measure, memory_to_measure, stored_harmonics, sample_orbit, propagate, flow_order, flow_tolerance
@@ -232,7 +232,7 @@ contains
       end do
       if (.not. present(torque) .or. (open .and. system%interrupt%raised())) return
       phi(:, system%mesh_element) = force
-      call add_torques(system, frequency_ratio*spacing, phi, torque)
+      call add_torques(system, frequency_ratio, frequency_ratio*spacing, phi, torque)
 
    contains
 
@@ -328,7 +328,7 @@ contains
       real(dp), allocatable :: p(:, :), force(:, :), torque(:, :)
       real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes), mean_force(size(system%sharing%mesh)), &
          loss(system%torque_paths%couplings), extreme(3, system%meshes)
-      real(dp) :: periods
+      real(dp) :: periods, static(system%elements)
       integer :: harmonics, lines, j, k, q
       integer, allocatable :: piece(:)
       logical :: ended
@@ -375,6 +375,7 @@ contains
       end if
       if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
       allocate (motion%mesh_load(system%meshes))
+      static = static_forces_at(system, motion%frequency_ratio)
       do j = 1, system%meshes
          if (any(system%friction > 0)) then
             continue
@@ -386,7 +387,7 @@ contains
          else
             largest(:, j) = [peak(force(:, j), motion%window > 0), peak(-force(:, j), motion%window > 0)]
          end if
-         call put_force(system, j, largest(1, j), largest(2, j), motion%mesh_load(j))
+         call put_force(system, static, j, largest(1, j), largest(2, j), motion%mesh_load(j))
          if (.not. system%half_backlash(j) > 0) cycle
          motion%mesh_load(j)%separation = share(0, j)
          motion%mesh_load(j)%back_contact = share(-1, j)
@@ -416,8 +417,10 @@ contains
       real(dp), intent(in) :: p(:, :), force(:, :), torque(:, :)
       type(motion_type), intent(inout) :: motion
       type(figure_uncertainty_type) :: of_p(size(p, 2)), of_force(size(p, 2)), of_torque(size(torque, 2))
+      real(dp) :: static(system%elements)
       integer :: j
 
+      static = static_forces_at(system, motion%frequency_ratio)
       do j = 1, size(p, 2)
          of_p(j) = uncertainty_of(p(:, j))
          of_force(j) = uncertainty_of(force(:, j))
@@ -426,7 +429,7 @@ contains
          of_torque(j) = uncertainty_of(torque(:, j))
       end do
       associate (u => motion%uncertainty, unit => system%load_unit, &
-                 load => system%static_force(system%mesh_element))
+                 load => static(system%mesh_element))
          u%rms = of_p%rms
          u%mean = of_p%mean
          u%minimum = of_p%minimum

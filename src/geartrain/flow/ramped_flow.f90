@@ -277,6 +277,14 @@ contains
          do s = 1, paths%torques
             torque(:, s) = 0
             torque(0, s) = paths%constant(s)
+            if (allocated(system%speed_loads)) then
+               associate (loads => system%speed_loads)
+                  do i = 1, size(loads%factor)
+                     torque(:, s) = torque(:, s) + loads%constant(s, i)*loads%series_of(i, flow%frequency_ratio &
+                                                                  + flow%acceleration*begun, flow%acceleration, flow%order)
+                  end do
+               end associate
+            end if
             do i = paths%first(s), paths%first(s + 1) - 1
                torque(:, s) = torque(:, s) + paths%gain(i)*force(:, paths%element(i))
             end do

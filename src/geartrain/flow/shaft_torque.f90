@@ -38,11 +38,11 @@ contains
    end subroutine linear_forces
 
    !> Adds up the torques of shafts at equidistant instants from time 0 on.
-   pure subroutine add_torques(system, spacing, phi, torque)
+   pure subroutine add_torques(system, frequency_ratio, spacing, phi, torque)
       !> The train.
       type(system_type), intent(in) :: system
-      !> Phase of the fundamental between two instants [rad].
-      real(dp), intent(in) :: spacing
+      !> Lambda [1]; phase of the fundamental between two instants [rad].
+      real(dp), intent(in) :: frequency_ratio, spacing
       !> Forces of the elements over k b_c [1], (samples, element).
       real(dp), intent(in) :: phi(:, :)
       !> Torques [N m], (samples, shaft, then held body), those asked for; NaN where nothing determines it.
@@ -52,6 +52,11 @@ contains
       associate (paths => system%torque_paths, length => system%characteristic_length)
          do s = 1, size(torque, 2)
             torque(:, s) = paths%constant(s)
+            if (allocated(system%speed_loads)) then
+               associate (loads => system%speed_loads)
+                  torque(:, s) = torque(:, s) + sum(loads%constant(s, :)*(loads%factors_at(frequency_ratio) - loads%factor))
+               end associate
+            end if
             do i = paths%first(s), paths%first(s + 1) - 1
                torque(:, s) = torque(:, s) + (paths%gain(i)*system%stiffness(paths%element(i))*length)*phi(:, paths%element(i))
             end do

@@ -58,13 +58,21 @@ contains
       !> States [1], (state, instant).
       real(dp), intent(out) :: states(:, :)
       type(balance_type) :: balance
+      type(system_type), target, allocatable :: own
+      type(system_type), pointer :: at_speed
       real(dp), allocatable :: u(:, :)
       complex(dp), allocatable :: amplitudes(:, :), turned(:)
       real(dp) :: mean(system%elements)
       integer :: highest, i, k
 
       highest = (size(motion%coefficients, 1) - 1)/2
-      call balance%setup(system, highest, motion%period, 0, repeats=repetitions_of(system, motion))
+      at_speed => system
+      if (allocated(system%speed_loads)) then
+         ! The balance takes the mean torques at the speed.
+         own = system
+         at_speed => own
+      end if
+      call balance%setup(at_speed, highest, motion%period, 0, repeats=repetitions_of(system, motion))
       allocate (u(balance%block, balance%unknowns), amplitudes(system%elements, size(balance%harmonic)))
       do i = 1, balance%unknowns
          u(1, i) = motion%coefficients(1, balance%mesh(i))
@@ -82,8 +90,8 @@ contains
       end do
       ! The twist of a shaft is relative to the twist at rest.
       do i = 1, system%elements
-         mean(i) = merge(system%static_force(i), 0.0_dp, system%element_mesh(i) > 0) &
-                   + system%mean%linear_displacement(system%cut, i, balance%force(1, :), system%static_force)
+         mean(i) = at_speed%static_force(i) - merge(0.0_dp, system%static_force(i), system%element_mesh(i) > 0) &
+                   + system%mean%linear_displacement(system%cut, i, balance%force(1, :), at_speed%static_force)
       end do
       mean(system%cut%element) = u(1, :)
       do i = 1, size(states, 2)

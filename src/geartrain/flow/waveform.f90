@@ -105,7 +105,7 @@ contains
          call linear_forces(flow, force(q, :))
       end do
       force(:, system%mesh_element) = phi
-      call add_torques(system, 2*pi*motion%period/size(time), force, torque)
+      call add_torques(system, motion%frequency_ratio, 2*pi*motion%period/size(time), force, torque)
    end subroutine find_torques
 
 end module geartrain_flow_waveform

@@ -26,6 +26,7 @@ contains
          call divide_law(times, system%law(j))
          call divide(times, system%transmission_error(j))
       end do
+      if (allocated(system%speed_loads)) system%speed_loads%reference = times*system%speed_loads%reference
       system%excitation_order = system%excitation_order/times
    end subroutine divide_orders
 

@@ -7,6 +7,7 @@ module geartrain_network_elements
    use geartrain_train_line_of_action, only: find_line
    use geartrain_train_bearing_rows, only: row_direction
    use geartrain_train_bodies, only: bodies_of, body_count, find_carriers, find_ends
+   use geartrain_train_gear_error, only: has_tooth_factors
    use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
    use geartrain_train_turning, only: find_turning, turning_type
@@ -173,7 +174,8 @@ contains
 
       element%mesh = i
       associate (mesh => train%meshes(i), radii => [train%meshes(i)%driving_radius, train%meshes(i)%driven_radius])
-         element%unknown = mesh%is_bent() .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin)
+         element%unknown = mesh%is_bent() .or. varies(mesh%stiffness_cos) .or. varies(mesh%stiffness_sin) .or. &
+                           any(has_tooth_factors(mesh%gear_error))
          call put_row(nodes, ends, radii*[1, -1], element)
          element%stiffness = mesh%stiffness
          element%error_mean = mesh%error_mean

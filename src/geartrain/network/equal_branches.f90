@@ -40,6 +40,8 @@ contains
       type(equal_branches_type) :: set
 
       allocate (sets(0))
+      ! Torques that are equal at one speed may differ at others.
+      if (allocated(system%speed_loads)) return
       nodes = size(fixed)
       call find_kinds(system, kind)
       fixed = [(count(kind == kind(n)) == 1, n=1, nodes)]

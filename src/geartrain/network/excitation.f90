@@ -36,7 +36,8 @@ contains
       reach = maxval([1, (lowest_harmonic(system%torque(j)), j=1, size(system%torque))])
       do j = 1, system%meshes
          reach = max(reach, lowest_harmonic(system%law(j)%variation()), lowest_harmonic(system%transmission_error(j)))
-         ! Errors of the gears may have lower harmonics than the error of the mesh.
+         ! Errors of the gears, and of the stiffness of their teeth, may have lower harmonics than those of the mesh.
+         reach = max(reach, lowest_harmonic(system%law(j)%variation(), system%law(j)%order))
          reach = max(reach, lowest_harmonic(system%transmission_error(j), system%law(j)%order))
       end do
    end function reach_of_sources

@@ -221,8 +221,8 @@ contains
       integer, intent(in) :: n
       !> What is added to the value [unit of the parameter].
       real(dp), intent(in) :: change
-      !> The system, where the change is allowed.
-      type(system_type), intent(out) :: system
+      !> Becomes the system, where the change is allowed.
+      type(system_type), intent(inout) :: system
       !> Whether the changed value is in the range of its variable.
       logical, intent(out) :: allowed
       type(train_type) :: described, train

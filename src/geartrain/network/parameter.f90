@@ -24,7 +24,7 @@ module geartrain_network_parameter
       'driving_radius', 'driven_radius', 'driving_inertia', 'driven_inertia', 'half_backlash', 'half_play', 'angle', &
       'back_stiffness', 'back_phase', 'mass', 'half_clearance', 'line_of_action', 'position', 'friction_torque', &
       'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', 'error_mean', 'revolution_torque_cos', 'revolution_torque_sin', &
-      'driving_error_cos', 'driving_error_sin', 'driven_error_cos', 'driven_error_sin']
+      'driving_error_cos', 'driving_error_sin', 'driven_error_cos', 'driven_error_sin', 'torque_speed_exponent', 'torque_speed']
    !> Those among them that `phase` turns.
    character(*), parameter :: turned_variables(*) = [character(24) :: 'stiffness_cos', 'stiffness_sin', 'error_cos', 'error_sin', &
       'driving_error_cos', 'driving_error_sin', 'driven_error_cos', 'driven_error_sin']

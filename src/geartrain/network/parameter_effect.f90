@@ -31,6 +31,8 @@ contains
       has_effect = .not. parameter%variable == 'friction_torque' .or. abs(parameter%value) > 0
       if (.not. has_effect) return
       if (parameter%plain .or. parameter%variable == variation .or. parameter%variable == 'phase') return
+      ! The factors of the teeth are no variables of the plain train.
+      if (index(parameter%variable, '_tooth_stiffness') > 0) return
       step = drawing_step*merge(abs(parameter%value), 1.0_dp, abs(parameter%value) > 0)
       call derive(train, parameter, 0.0_dp, here, there)
       do way = 1, -1, -2

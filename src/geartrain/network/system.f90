@@ -23,11 +23,12 @@ module geartrain_network_system
    use geartrain_network_modal_damping, only: resolve_damping
    use geartrain_network_network, only: accelerate, build_network, network_type
    use geartrain_network_rest, only: rest_forces
+   use geartrain_network_speed_loads, only: find_speed_loads, speed_loads_type
    use geartrain_network_torque_paths, only: find_torque_paths, torque_paths_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: system_type, build_system, put_excitation, shear
+   public :: system_type, build_system, put_excitation, put_speed, shear, static_forces_at
 
    type :: system_type
       !> Number of meshes and of elements. The displacements of the first `coordinates` elements are the coordinates of the train;
@@ -77,6 +78,8 @@ module geartrain_network_system
       type(sharing_type) :: sharing
       !> How the torque of each shaft follows from forces and torques.
       type(torque_paths_type) :: torque_paths
+      !> Mean torques that follow the speed; not allocated where all are constant.
+      type(speed_loads_type), allocatable :: speed_loads
       !> omega_c [rad/s] and b_c [m].
       real(dp) :: characteristic_frequency = 0, characteristic_length = 0
       !> Greatest common divisor of the excited harmonics of Lambda: a motion of period 1 has only multiples of it.
@@ -143,17 +146,12 @@ contains
       system%energy_unit = system%stiffness(system%mesh_element)*system%characteristic_length**2
       call couple(system%network, system)
       allocate (system%static_force(system%elements))
-      call rest_forces(system%network, system%law, system%characteristic_length, system%static_force, &
-                       system%rest_residual)
-      system%static_force = system%static_force/(system%stiffness*system%characteristic_length)
-      system%loop_offset = matmul(system%network%loop, merge(system%static_force(:system%coordinates), 0.0_dp, &
-                                                             system%element_mesh(:system%coordinates) == 0)) &
-                           + system%network%misfit/system%characteristic_length
       call find_sharing(train, system%sharing)
       call find_torque_paths(train, system%network, system%torque_body, system%torque_paths)
       call cut_network(system%network, system%cut)
-      call mean_rows(system%network, system%cut, system%static_force, &
-                     system%network%misfit/system%characteristic_length, system%mean)
+      call put_rest(system)
+      call find_speed_loads(train, system%network, system%torque_body, system%torque_gain, system%torque_paths, system%speed_loads)
+      if (allocated(system%speed_loads)) call find_mean_rates(system)
       do i = 1, size(system%torque)
          associate (node => system%network%node(system%torque_body(i)))
             if (node > 0 .and. size(system%torque(i)%amplitude) > 0) system%cut%part(system%cut%home(node))%excited = .true.
@@ -173,6 +171,80 @@ contains
          end associate
       end do
    end subroutine build_system
+
+   !> Sets the forces at rest and what follows from them, of the present torques.
+   pure subroutine put_rest(system)
+      type(system_type), intent(inout) :: system
+
+      call rest_forces(system%network, system%law, system%characteristic_length, system%static_force, &
+                       system%rest_residual)
+      system%static_force = system%static_force/(system%stiffness*system%characteristic_length)
+      system%loop_offset = matmul(system%network%loop, merge(system%static_force(:system%coordinates), 0.0_dp, &
+                                                             system%element_mesh(:system%coordinates) == 0)) &
+                           + system%network%misfit/system%characteristic_length
+      call mean_rows(system%network, system%cut, system%static_force, &
+                     system%network%misfit/system%characteristic_length, system%mean)
+   end subroutine put_rest
+
+   !> Takes the mean torques at a speed, where torques follow it: all static forces become those at this speed.
+   pure subroutine put_speed(system, frequency_ratio)
+      !> The train.
+      type(system_type), intent(inout) :: system
+      !> Lambda [1], > 0.
+      real(dp), intent(in) :: frequency_ratio
+
+      if (.not. allocated(system%speed_loads)) return
+      call put_factors(system, system%speed_loads%factors_at(frequency_ratio))
+   end subroutine put_speed
+
+   !> Force of each element at rest under the mean torques at a speed, over k b_c [1], (element).
+   pure function static_forces_at(system, frequency_ratio) result(force)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Lambda [1], > 0.
+      real(dp), intent(in) :: frequency_ratio
+      real(dp) :: force(system%elements)
+      type(system_type), allocatable :: there
+
+      force = system%static_force
+      if (.not. allocated(system%speed_loads)) return
+      there = system
+      call put_speed(there, frequency_ratio)
+      force = there%static_force
+   end function static_forces_at
+
+   !> Takes the mean torques with a factor of each load that follows the speed.
+   pure subroutine put_factors(system, factor)
+      type(system_type), intent(inout) :: system
+      real(dp), intent(in) :: factor(:)
+
+      associate (loads => system%speed_loads)
+         if (all(abs(factor - loads%factor) <= 0)) return
+         loads%factor = factor
+         system%network%torque = loads%all_torque + matmul(loads%torque, factor - 1)
+         system%network%magnitude = loads%magnitude + matmul(abs(loads%torque), abs(factor - 1))
+         system%torque_paths%constant = loads%all_constant + matmul(loads%constant, factor - 1)
+      end associate
+      call put_rest(system)
+   end subroutine put_factors
+
+   !> Sets the effects of the loads that follow the speed on the mean equations, which are linear in the torques.
+   pure subroutine find_mean_rates(system)
+      type(system_type), intent(inout) :: system
+      real(dp) :: factor(size(system%speed_loads%factor)), given(size(system%mean%static_force))
+      integer :: k
+
+      given = system%mean%static_force
+      allocate (system%speed_loads%mean(size(given), size(factor)))
+      do k = 1, size(factor)
+         factor = 1
+         factor(k) = 2
+         call put_factors(system, factor)
+         system%speed_loads%mean(:, k) = system%mean%static_force - given
+      end do
+      factor = 1
+      call put_factors(system, factor)
+   end subroutine find_mean_rates
 
    !> Sets W and the accelerations by torques.
    pure subroutine couple(network, system)

@@ -12,7 +12,7 @@ module geartrain_report_drawing_warnings
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
    use geartrain_network_light_loads, only: reduce_light_loads
-   use geartrain_train_gear_error, only: gear_words
+   use geartrain_train_gear_error, only: gear_words, has_tooth_factors
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
    use geartrain_train_mesh_groups, only: group_name, group_number
@@ -152,18 +152,19 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
       type(law_type) :: law
       real(dp) :: least
-      integer :: i, k, s, samples
+      integer :: i, k, s, samples, cycle_order
 
       do i = 1, size(plain%meshes)
          ! The unit of displacement does not matter for kappa.
          call put_law(plain%meshes(i), 1.0_dp, law)
          if (size(law%harmonic) == 0) cycle
-         ! A cycle of the mesh is enough: all harmonics are multiples of its order.
-         samples = samples_per_harmonic*maxval(law%harmonic)/nint(law%order)
+         ! With equal teeth a cycle is enough: all harmonics are multiples of its order. That of a missing tooth falls below 0.
+         cycle_order = merge(1, nint(law%order), any(has_tooth_factors(plain%meshes(i)%gear_error)))
+         samples = samples_per_harmonic*maxval(law%harmonic)/cycle_order
          do s = law%lowest, law%highest
             if (.not. law%stiffness(s) > 0) cycle
-            least = minval([(law%stiffness_at(s, 2*pi*k/(samples*law%order)), k=1, samples)])/law%stiffness(s)
-            if (least > 0) cycle
+            least = minval([(law%stiffness_at(s, 2*pi*k/(real(samples, dp)*cycle_order)), k=1, samples)])/law%stiffness(s)
+            if (least > merge(-0.01_dp, 0.0_dp, any(has_tooth_factors(plain%meshes(i)%gear_error)))) cycle
             call add_warning(warnings, 'mesh', i, 'the mesh stiffness falls to '//short(least)//' times its mean: &
                              &stiffness_cos and stiffness_sin are shares of the mean stiffness')
             exit

@@ -16,7 +16,7 @@ module geartrain_trace_start
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_network_equal_branches, only: equal_branches_type, find_equal_branches, same_branches
    use geartrain_network_natural_modes, only: natural_frequency_ranges
-   use geartrain_network_system, only: build_system, system_type
+   use geartrain_network_system, only: build_system, put_speed, system_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -186,6 +186,7 @@ contains
       integer :: i
 
       associate (balance => tracer%corrector%balance, system => tracer%system)
+         if (.not. allocated(balance%path)) call put_speed(system, frequency_ratio)
          allocate (solution%u(balance%block, balance%unknowns), source=0.0_dp)
          solution%frequency_ratio = frequency_ratio
          do i = 1, balance%unknowns

@@ -4,7 +4,7 @@ module geartrain_train_body
    use geartrain_base_series, only: table_harmonics
    implicit none (type, external)
    private
-   public :: body_type, has_table_of_torque, name_length, plain_torque, pulses
+   public :: body_type, follows_speed, has_table_of_torque, name_length, plain_torque, pulses
 
    !> Most characters of a name.
    integer, parameter :: name_length = 64
@@ -32,6 +32,10 @@ module geartrain_train_body
       !> Derived: revolution of the body as a multiple of the fundamental, where it has such a torque; of a torque over two
       !> revolutions both, and the amplitudes are those of the harmonics of both.
       integer :: revolution_order = 1
+      !> The mean torque goes with this power of the speed [1], and is as given at this speed of the body [rpm].
+      real(dp) :: torque_speed_exponent = 0, torque_speed = 0
+      !> Derived: turns of the body per period of the fundamental [1]; 0: not known, or the torque does not follow the speed.
+      real(dp) :: turns = 0
       !> Damping to ground of the vibration of the body [N m s/rad]; none of its mean rotation.
       real(dp) :: damping_to_ground = 0
       !> Stiffness to ground [N m/rad].
@@ -58,6 +62,14 @@ contains
       has = .false.
       if (allocated(body%torque_table)) has = size(body%torque_table) > 0
    end function has_table_of_torque
+
+   !> Whether the mean torque of a body follows its speed.
+   elemental logical function follows_speed(body) result(follows)
+      !> The body.
+      type(body_type), intent(in) :: body
+
+      follows = abs(body%torque_speed_exponent) > 0
+   end function follows_speed
 
    !> Whether a body has a torque that repeats itself with its revolution.
    elemental logical function pulses(body)

@@ -2,12 +2,12 @@
 !> bearing, which for the rotations is a gear pair of a body with itself: nothing.
 module geartrain_train_mesh
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_series, only: delay, make_series, series_type, table_harmonics
+   use geartrain_base_series, only: delay, make_series, multiply_series, series_type, table_harmonics
    use geartrain_base_variable, only: largest
    use geartrain_mesh_law_law, only: law_type
    use geartrain_mesh_law_characteristic, only: characteristic_type, find_characteristic
    use geartrain_train_body, only: name_length
-   use geartrain_train_gear_error, only: gear_error_type
+   use geartrain_train_gear_error, only: gear_error_type, has_tooth_factors
    implicit none (type, external)
    private
    public :: mesh_type, coupling_radius, has_table, is_given, most_order, new_bearing, new_coupling, plain_coupling, plain_mesh, &
@@ -63,8 +63,9 @@ module geartrain_train_mesh
       real(dp), allocatable :: error_table(:)
       !> Constant part of the transmission error [m], by placement of axes and thickness of teeth.
       real(dp) :: error_mean = 0
-      !> Errors of the driving and of the driven gear, once a revolution.
+      !> Errors of the driving and of the driven gear, once a revolution; 'polynomial' or 'steps' through the pitch errors.
       type(gear_error_type) :: gear_error(2)
+      character(10) :: pitch_error_form = 'polynomial'
       !> Mesh frequency as a multiple of the fundamental, m_n [1]; 0: by the teeth where every mesh has them, else 1.
       integer :: order = 0
       !> From the drawing, see geartrain_drawing_gear_pair: numbers of teeth, (2); normal module [m]; normal pressure angle and
@@ -222,8 +223,8 @@ contains
       real(dp), intent(in) :: length
       !> Walls, stiffness, origin, amplitudes and relative damping of the regions.
       type(law_type), intent(out) :: law
-      type(series_type) :: kappa
-      real(dp) :: back
+      type(series_type) :: kappa, back_kappa
+      real(dp) :: mean, back, back_mean
       integer :: h
 
       if (mesh%is_coupling) then
@@ -231,8 +232,14 @@ contains
          return
       end if
       kappa = make_series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
+      back_kappa = kappa
+      back_kappa%amplitude = [(kappa%amplitude(h)*exp(cmplx(0, -h*mesh%back_phase, dp)), h=1, size(kappa%amplitude))]
+      mean = 1
+      back_mean = 1
+      call take_teeth(mesh, mean, kappa)
       associate (b => mesh%half_backlash/length)
          if (b > 0) then
+            call take_teeth(mesh, back_mean, back_kappa)
             call law%begin(-1, [-b, b], kappa%harmonic)
          else
             call law%begin(1, [real(dp) ::], kappa%harmonic)
@@ -240,7 +247,7 @@ contains
          law%order = mesh%order
          law%damping(:) = 1
          ! The drive flank.
-         law%stiffness(1) = 1
+         law%stiffness(1) = mean
          law%origin(1) = b
          law%amplitude(:, 1) = kappa%amplitude
          if (.not. b > 0) return
@@ -249,11 +256,27 @@ contains
          ! The back flank.
          back = 1
          if (mesh%back_stiffness > 0) back = mesh%back_stiffness/mesh%stiffness
-         law%stiffness(-1) = back
+         law%stiffness(-1) = back*back_mean
          law%origin(-1) = -b
-         law%amplitude(:, -1) = [(back*kappa%amplitude(h)*exp(cmplx(0, -h*mesh%back_phase, dp)), h=1, size(kappa%amplitude))]
+         law%amplitude(:, -1) = back*back_kappa%amplitude
       end associate
    end subroutine put_law
+
+   !> Multiplies kappa by the factors of the teeth of both gears.
+   pure subroutine take_teeth(mesh, mean, kappa)
+      type(mesh_type), intent(in) :: mesh
+      !> Mean of kappa and its harmonics of Lambda.
+      real(dp), intent(inout) :: mean
+      type(series_type), intent(inout) :: kappa
+      integer :: gear
+
+      do gear = 1, 2
+         associate (error => mesh%gear_error(gear))
+            if (has_tooth_factors(error)) call multiply_series(error%factor_mean, make_series(error%factor_cos, error%factor_sin, &
+                                                                                    1.0_dp, error%order), mean, kappa)
+         end associate
+      end do
+   end subroutine take_teeth
 
    !> Makes the force law of a coupling, a region for each part of its characteristic.
    pure subroutine put_stages(mesh, length, law)

@@ -7,7 +7,7 @@ module geartrain_train_train_variables
    use geartrain_train_bearing_variables, only: visit_bearing
    use geartrain_train_coupling_variables, only: visit_coupling
    use geartrain_train_gear_error, only: visit_gear_error
-   use geartrain_train_body, only: body_type
+   use geartrain_train_body, only: body_type, follows_speed
    use geartrain_train_mesh, only: mesh_type, most_order
    use geartrain_train_planetary_variables, only: visit_planetary
    use geartrain_train_shaft, only: shaft_type
@@ -131,6 +131,14 @@ contains
                      body%torque_table)
       call v%on_integer(row('torque_revolutions', '', 'revolutions over which torque_table goes; 2: four strokes', least=one, &
                             most=2*one), body%torque_revolutions)
+      given = follows_speed(body)
+      call v%on_real(row('torque_speed_exponent', '', 'the mean torque goes with this power of the speed: 2 of propellers and &
+                         &fans, -1 at constant power; 0: the same at all speeds. Every mesh must have teeth, whose stiffness stays &
+                         &that of the torque as given; the slope of the torque damps no vibration', least=-4.0_dp, most=4.0_dp), &
+                     body%torque_speed_exponent, given)
+      given = .not. abs(body%torque_speed) <= 0
+      call v%on_real(row('torque_speed', 'rpm', 'speed of the body at which the mean torque is as given, where it follows the &
+                         &speed', above=zero), body%torque_speed, given)
       call v%on_real(row('damping_to_ground', 'N m s/rad', 'damping of the vibration of the body against the ground; give a mean &
                          &drag as torque', least=zero), body%damping_to_ground)
       call v%on_real(row('stiffness_to_ground', 'N m/rad', 'stiffness of a spring between the body and the ground; it bears a mean &
@@ -266,6 +274,11 @@ contains
                      mesh%error_mean)
       call visit_gear_error(mesh%gear_error(1), 1, v)
       call visit_gear_error(mesh%gear_error(2), 2, v)
+      word = trim(mesh%pitch_error_form)
+      call v%on_text(row('pitch_error_form', '', 'polynomial through the pitch errors, or steps from tooth to tooth, smoothed over &
+                         &the time in which two pairs bear by the contact ratio, which must be known', &
+                         choices='polynomial steps'), word)
+      mesh%pitch_error_form = word
       call v%on_real(row('line_of_action', 'degree', 'of bodies on bearings: direction in which the driving gear pushes the driven &
                          &gear, from the x axis towards the y axis; default: from the positions of the axes', least=-360*one, &
                          most=360*one), mesh%line_of_action, mesh%line_given)

@@ -1,0 +1,162 @@
+"""What a report tells of the highest peaks of a response: which numbers of the train raise them, and their sidebands."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Container, Mapping
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+
+from .._core.box import Box
+from .._core.description import Description
+from .._core.gradient import derivable
+from .._core.parameter import value_in
+from ..errors import InputError, NotDifferentiableWarning
+from ..results.order_table import named_spectrum
+from ..results.orders import gears_with_errors
+from .document import Document
+
+__all__ = ["sensitivities", "sidebands"]
+
+#: Peaks that have a column; parameters that have a row; parameters that are tried.
+_PEAKS, _ROWS, _TRIED = 3, 10, 60
+#: Peaks that are nearer to one another are one [of their frequency].
+_NEAR = 0.01
+#: Orders that are listed, and the least amplitude [of the largest one].
+_ORDERS, _LEAST = 10, 1e-4
+
+_OF_SHAFTS = ("stiffness", "damping_ratio", "damping", "loss_factor")
+_OF_MESHES = ("stiffness", "damping_ratio", "damping", "loss_factor", "half_backlash", "error_cos 1", "error_sin 1")
+_OF_BODIES = ("torque", "inertia")
+_OF_TRAINS = ("input_torque", "stiffness_variation")
+
+
+def sensitivities(made: Document, branch: Any, train: Description) -> None:
+    """The derivatives of the largest mesh forces at the highest peaks."""
+    peaks = _highest(branch)
+    if branch is None or branch.parameter is not None or not peaks:
+        return
+    values, heads = _parameters(train, train.explain()), []
+    columns: list[dict[str, float]] = []
+    for peak in peaks:
+        motion = _motion_at(branch, peak)
+        if motion is None or not peak.mesh_force_maximum:
+            continue
+        if not columns:
+            values = {name: values[name] for name in derivable(Box(copy=train._kept), values)}
+        columns.append(_shares(motion, peak, values))
+        at = f"Lambda {peak.frequency:.6g}" if peak.speed is None else f"{peak.speed:.6g} rpm"
+        heads.append(f"{train.mesh_elements[peak.mesh - 1]} at {at}")
+    names = list(dict.fromkeys(name for column in columns for name in column))
+    weight = {name: max(abs(column.get(name, 0.0)) for column in columns) for name in names}
+    kept = sorted((name for name in names if weight[name] > 5e-4), key=lambda name: -weight[name])[:_ROWS]
+    if not kept:
+        return
+    made.heading("Sensitivities")
+    made.table(["", *heads], [[name, *(f"{column[name]:+.3f}" if name in column else "" for column in columns)] for name in kept])
+    made.sentence("Change of the largest mesh force at the highest peaks, in per cent, where the number grows by one per cent, at "
+                  "constant speed; by the derivatives of the periodic motion. The numbers that matter most come first.")
+
+
+def _highest(branch: Any, meshes: Container[int] | None = None) -> list[Any]:
+    """The peaks of largest dynamic factor, or force without a mean load, at different speeds, stable where that is known."""
+    found: list[Any] = []
+    if branch is None or not len(branch.frequency):
+        return found
+    with warnings.catch_warnings(), suppress(InputError):  # a branch without the settings of its response has none
+        warnings.simplefilter("ignore")
+        found = [peak for peak in branch.peaks() if peak.stable is not False and (meshes is None or peak.mesh in meshes)]
+    found.sort(key=lambda peak: (-np.nan_to_num(peak.dynamic_factor), -peak.mesh_force_maximum))
+    kept: list[Any] = []
+    for peak in found:
+        if all(abs(peak.frequency - other.frequency) > _NEAR * other.frequency for other in kept):
+            kept.append(peak)
+    return kept[:_PEAKS]
+
+
+def _motion_at(branch: Any, peak: Any) -> Any:
+    """The motion of a peak."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        motions = branch.at(peak.frequency)
+    return min(motions, key=lambda motion: abs(motion.rms[peak.mesh - 1] - peak.rms), default=None)
+
+
+def _shares(motion: Any, peak: Any, values: Mapping[str, float]) -> dict[str, float]:
+    """Relative change of the largest force over that of each parameter."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NotDifferentiableWarning)
+        rates = motion.gradient("mesh_force_maximum", list(values))[peak.mesh - 1]
+    return {name: float(rate) * value / peak.mesh_force_maximum for (name, value), rate in zip(values.items(), rates)
+            if np.isfinite(rate)}
+
+
+def _parameters(train: Description, numbers: Mapping[str, Any]) -> dict[str, float]:
+    """The numbers of a train that are tried, other than 0, with their values."""
+    parts = {"shaft": (len(train.shafts), _OF_SHAFTS), "mesh": (len(train.meshes), _OF_MESHES)}
+    names = [*_OF_TRAINS] + [f"{body.name} {item}" for body in train.bodies for item in _OF_BODIES]
+    names += [f"{part} {number} {item}" for part, (count, items) in parts.items() for number in range(1, count + 1)
+              for item in items]
+    found = {}
+    for name in names[:_TRIED]:
+        value = _value(train, numbers, name)
+        if value:
+            found[name] = value
+    return found
+
+
+def _value(train: Description, numbers: Mapping[str, Any], name: str) -> float | None:
+    """The value that is given, or else that the drawing gives."""
+    if name == "stiffness_variation":
+        return _variation(numbers)
+    try:
+        value = value_in(train, name)
+    except InputError:
+        return None
+    part, _, item = name.rpartition(" ")
+    if value is None and item in numbers.get(part, {}) and np.ndim(numbers[part][item]) == 0:
+        value = float(numbers[part][item])
+    return value
+
+
+def _variation(numbers: Mapping[str, Any]) -> float:
+    """The largest amplitude of kappa."""
+    largest = 0.0
+    for part in numbers:
+        cosine, sine = (np.ravel(numbers[part].get(item, 0.0)) for item in ("stiffness_cos", "stiffness_sin"))
+        count = max(len(cosine), len(sine))
+        sides = [np.pad(side, (0, count - len(side))) for side in (cosine, sine)]
+        largest = max(largest, float(np.hypot(*sides).max(initial=0.0)))
+    return largest
+
+
+def sidebands(made: Document, results: Any, train: Description) -> None:
+    """The orders of a motion and what they come from, where gears have errors of their own."""
+    meshes = {number for number, *_ in gears_with_errors(train)}
+    if not meshes:
+        return
+    motions = [motion for motion in (results.integration or ()) if getattr(motion, "period", 0)]
+    peaks = _highest(results.response, meshes)
+    if peaks and results.response.parameter is None:
+        motion = _motion_at(results.response, peaks[0])
+        where = f"the highest peak of {train.mesh_elements[peaks[0].mesh - 1]}"
+    elif motions:
+        motion, where = max(motions, key=lambda motion: float(np.max(motion.mesh_force_maximum))), "the largest mesh force"
+    else:
+        return
+    if motion is None:
+        return
+    order, amplitude, owner, ratio = named_spectrum(motion, _LEAST)
+    gears = {gear for _, gear, *_ in gears_with_errors(train)}
+    rank = np.argsort(-(amplitude / amplitude.max(axis=0)).max(axis=1), kind="stable")
+    sides = np.array([any(gear in name for gear in gears) for name in owner], dtype=bool)
+    largest = np.sort(np.concatenate([rank[~sides[rank]][:_ORDERS], rank[sides[rank]][:_ORDERS]]))
+    at = f"Lambda {motion.frequency:.6g}" if motion.speed is None else f"{motion.speed:.6g} rpm"
+    made.heading("Orders and sidebands")
+    rows = [[f"{order[i] / (ratio or 1):.6g}", owner[i], *(f"{value:.4g}" for value in amplitude[i])] for i in largest]
+    unit = "um" if train.characteristic_length is None else "characteristic lengths"
+    made.table([f"order of {train.speed_name}" if ratio else "order", "what it comes from", *train.mesh_elements], rows)
+    made.sentence(f"Amplitudes of the mesh displacements at {where}, {at}, in {unit}: the {_ORDERS} largest orders of the meshes "
+                  f"and the {_ORDERS} largest of gears with errors, from a ten-thousandth of the largest amplitude on.")
