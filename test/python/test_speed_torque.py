@@ -1,7 +1,10 @@
 """Mean torques that follow the speed, against SciPy with equations of its own and trains of constant torque."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from conftest import ROOT
 from scipy.integrate import solve_ivp
 from scipy.optimize import root
 
@@ -195,3 +198,22 @@ def test_without_teeth_there_is_no_speed():
 def test_the_load_is_told():
     text = pair().response(start=0.4 * OWN, stop=0.41 * OWN, unit="rpm", harmonics=3).report()
     assert "with the power 2 of the speed" in text
+
+
+def test_a_fan_behind_a_planetary_stage():
+    """Reactions and load shares at another speed than that of the torque, as with the torque of this speed."""
+    case = gt.read_case(ROOT / "namelists" / "planetary.nml").train
+
+    def stage(torque, **fan):
+        bodies = [replace(body, balances=not body.balances, torque=torque if body.balances else None,
+                          **(fan if body.balances else {})) if body.balances or body.torque else body for body in case.bodies]
+        # Stiffnesses by the drawing are those of the torque as given.
+        return replace(case, bodies=bodies, meshes=[replace(mesh, stiffness=1e9) for mesh in case.meshes])
+
+    speed = 4000.0
+    fan = stage(-900.0, torque_speed_exponent=2.0, torque_speed=1000.0)
+    turns = fan.explain()["load"]["turns"]
+    other = stage(-900.0 * (turns * speed / 1000.0) ** 2)
+    one, two = (train.integrate(frequency=speed, unit="rpm") for train in (fan, other))
+    for name in ("rms", "mesh_force_maximum", "dynamic_factor", "shaft_torque_mean", "reaction_torque", "load_share"):
+        assert getattr(one, name) == pytest.approx(getattr(two, name), rel=1e-9), name
