@@ -384,7 +384,7 @@ def _multipliers_at_infinity(train: Any, frequency: float) -> NDArray[np.complex
         return None
     linear = replace(train, meshes=[replace(mesh, half_backlash=0.0, backlash=0.0) for mesh in train.meshes],
                      couplings=[replace(coupling, half_play=0.0) for coupling in train.couplings],
-                     bearings=[replace(bearing, half_clearance=0.0) for bearing in train.bearings])
+                     bearings=[replace(bearing, half_clearance=0.0, flats=None) for bearing in train.bearings])
     branch = linear.response(start=frequency, stop=_NEARBY * frequency, harmonics=0, tolerance=_ROUGH, amplitude_limit=1e15)
     multipliers: NDArray[np.complex128] | None = branch.multipliers
     return None if multipliers is None else multipliers[0]
