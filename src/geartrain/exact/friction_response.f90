@@ -16,7 +16,7 @@ module geartrain_exact_friction_response
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_system, only: build_system, system_type
-   use geartrain_network_units, only: largest_unit, length_unit_of
+   use geartrain_network_units, only: largest_unit
    use geartrain_trace_branch, only: arrange_points, branch_type, response_settings_type, special_point_type
    use geartrain_trace_points, only: drop_first, is_same_point
    use geartrain_trace_recorder, only: begin_branch

@@ -14,12 +14,12 @@ module geartrain_exact_orbit_branch
    use geartrain_exact_refinement, only: replace_point
    use geartrain_flow_orbit, only: measure
    use geartrain_network_system, only: system_type
-   use geartrain_trace_branch, only: arrange_points, branch_type, special_point_type
+   use geartrain_trace_branch, only: arrange_points, branch_type
    use geartrain_trace_special_points, only: add_special_point
    implicit none (type, external)
    private
    public :: orbit_tracer_type
-   public :: cancelled, came_back, closed_loop, full, left_by_amplitude, reached_end, stuck
+   public :: cancelled, came_back, closed_loop, left_by_amplitude, reached_end
 
    !> Outcomes of a trace: it reached the target; came back to the other bound; closed where it began; passed the amplitude limit;
    !> had max_points; was ended by the observer; failed with the smallest step.
@@ -73,6 +73,7 @@ contains
       type(orbit_type), intent(inout) :: here
       !> Bounds of what the corrector takes for Lambda, and which of the two is the end.
       real(dp), intent(in) :: low, high, target
+      !> The branch.
       type(branch_type), intent(inout), target :: branch
       !> How the trace ended: a constant of this module.
       integer, intent(out) :: outcome

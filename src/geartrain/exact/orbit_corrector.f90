@@ -121,8 +121,9 @@ contains
       type(system_type), pointer, intent(in) :: system
       !> Period of the branch [periods of the fundamental]; how often its motions go through their waveform within it.
       integer, intent(in) :: period, times
-      !> The train over a parameter in place of Lambda, and the value at which what stands for Lambda is 1, see sections_type.
+      !> The train over a parameter in place of Lambda, see sections_type.
       type(parameter_path_type), pointer, intent(in), optional :: path
+      !> Value at which what stands for Lambda is 1 [unit of the parameter].
       real(dp), intent(in), optional :: origin
       !> Room for the train with another value of the parameter.
       type(system_type), pointer, intent(in), optional :: beside

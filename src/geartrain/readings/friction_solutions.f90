@@ -1,6 +1,6 @@
 !> The motions of a branch of a train with dry friction at exactly one Lambda, or value of a parameter: by shooting from motions
 !> between two points of the branch.
-module geartrain_exact_friction_solutions
+module geartrain_readings_friction_solutions
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type, fatal, status_ended_early
    use geartrain_base_kinds, only: dp
@@ -112,4 +112,4 @@ contains
       end do
    end subroutine solve_near
 
-end module geartrain_exact_friction_solutions
+end module geartrain_readings_friction_solutions
