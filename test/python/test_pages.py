@@ -5,7 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from rexs_files import one_stage
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -17,6 +19,9 @@ def test_the_lines_of_a_page_run(page, executable, tmp_path, monkeypatch):
     if page == "output.md":
         (tmp_path / "results").mkdir()
         subprocess.run([executable, ROOT / "namelists" / "fig03.nml"], cwd="results", check=True, capture_output=True)
+    else:  # a gearbox of another program, and its pinion's pitch errors in um
+        one_stage().write(tmp_path / "gearbox.rexs")
+        np.savetxt(tmp_path / "pinion.txt", 3 * np.sin(2 * np.pi * np.arange(23) / 23))
     names = {"__name__": "page"}
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / page).read_text(encoding="utf-8"), re.DOTALL)
     assert blocks
