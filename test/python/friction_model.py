@@ -85,7 +85,10 @@ class Events:
         n = self.bodies
         _, reaction, _ = self.matrix(regions, modes)
         rows, what, stuck = [], [], 0
+        held = {joint for joint, mode in zip(self.rubbing, modes) if mode == 0}
         for joint, (corners, region) in enumerate(zip(self.corners, regions)):
+            if joint in held:  # it may stick at a corner, and moves to neither side
+                continue
             for side, place in ((1, region - 1), (-1, region)):
                 if 0 <= place < len(corners):
                     row = np.zeros(2 * n + 3)
