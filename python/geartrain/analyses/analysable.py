@@ -54,15 +54,21 @@ class Analysable(Description):
         return with_values(self, values)
 
     def _found(
-        self, name: str, settings: Mapping[str, Any], take: Callable[[Box], Result | None], *bar: Any, **more: Any
+        self, name: str, settings: Mapping[str, Any], take: Callable[[Box], Result | None], *bar: Any,
+        start: tuple[Motion | ArrayLike | None, str] = (None, ""), **more: Any
     ) -> Result:
-        """Run an analysis and take what it gives out of the box; what follows are arguments of `watched`."""
+        """Run an analysis and take what it gives out of the box, which may be a part of it.
+
+        ``start`` is a motion or a state to start from, and what messages call it; the rest are arguments of `watched`.
+        """
         asked = self._ask(**{name: settings})
 
         def work(progress: NDArray[np.float64]) -> Result:
             with asked as box:
-                box.check(box.run(name, progress))
+                self._put_start(box, *start)
+                status = box.run(name, progress)
                 found = take(box)
+                box.check(status, whole=found is None)
                 if found is None:
                     raise SolverError("nothing found")
                 return found

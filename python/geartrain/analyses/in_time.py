@@ -151,19 +151,7 @@ class InTime(Analysable):
         >>> run_up.mesh_force_maximum.max(axis=0).round(-3)
         array([ 7000., 25000.])
         """
-        asked = self._ask(run_up=settings)
-
-        def work(progress: NDArray[np.float64]) -> RunUp:
-            with asked as box:
-                self._put_start(box, seed, "seed")
-                status = box.run("run_up", progress)
-                found = RunUp._from(box, self)
-                box.check(status, whole=found is None)
-                if found is None:
-                    raise SolverError("nothing found")
-                return found
-
-        return watched(work, "run up", unit="periods")
+        return self._found("run_up", settings, lambda box: RunUp._from(box, self), start=(seed, "seed"), unit="periods")
 
     @takes(VARIABLES["attractors"], AttractorsKeywords)
     def attractors(
@@ -257,19 +245,9 @@ class InTime(Analysable):
                 or any(isinstance(value, bool) or not isinstance(value, Integral) for value in points)):
             raise InputError(f"points = {shown(points)}: must be two whole numbers, along the displacement and the velocity")
         grid = {"displacement_points": int(points[0]), "velocity_points": int(points[1])}
-        asked = self._ask(basins={"frequency": frequency, "mesh": mesh, **grid, **settings})
-
-        def work(progress: NDArray[np.float64]) -> Basins:
-            with asked as box:
-                self._put_start(box, state, "state")
-                status = box.run("basins", progress)
-                found = Basins._from(box, self)
-                box.check(status, whole=found is None)
-                if found is None:
-                    raise SolverError("nothing found")
-                return found
-
-        return watched(work, "basins", grid["velocity_points"], "rows")
+        whole = {"frequency": frequency, "mesh": mesh, **grid, **settings}
+        return self._found("basins", whole, lambda box: Basins._from(box, self), grid["velocity_points"], "rows",
+                           start=(state, "state"))
 
     @takes(VARIABLES["bifurcation_diagram"], BifurcationDiagramKeywords)
     def bifurcation_diagram(
@@ -303,19 +281,9 @@ class InTime(Analysable):
         return self._diagram(seed, "seed", settings)
 
     def _diagram(self, seed: Motion | ArrayLike | None, what: str, settings: Mapping[str, Any]) -> BifurcationDiagram:
-        asked = self._ask(bifurcation_diagram=settings)
-
-        def work(progress: NDArray[np.float64]) -> BifurcationDiagram:
-            with asked as box:
-                self._put_start(box, seed, what)
-                status = box.run("bifurcation_diagram", progress)
-                found = BifurcationDiagram._from(box, self)
-                box.check(status, whole=found is None)
-                if found is None:
-                    raise SolverError("nothing found")
-                return found
-
-        return watched(work, "bifurcation diagram", settings["points"] * (1 + (settings["direction"] == "both")))
+        points = settings["points"] * (1 + (settings["direction"] == "both"))
+        return self._found("bifurcation_diagram", settings, lambda box: BifurcationDiagram._from(box, self), points,
+                           start=(seed, what))
 
     def lyapunov_spectrum(
         self, frequency: float, *, unit: Unit = "Lambda", start: Motion | ArrayLike | None = None, transient: int = 500,

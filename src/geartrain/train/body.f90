@@ -32,7 +32,7 @@ module geartrain_train_body
       !> Derived: revolution of the body as a multiple of the fundamental, where it has such a torque; of a torque over two
       !> revolutions both, and the amplitudes are those of the harmonics of both.
       integer :: revolution_order = 1
-      !> The mean torque goes with this power of the speed [1], and is as given at this speed of the body [rpm].
+      !> The mean torque is proportional to this power of the speed [1], and is as given at this speed of the body [rpm].
       real(dp) :: torque_speed_exponent = 0, torque_speed = 0
       !> Derived: turns of the body per period of the fundamental [1]; 0: not known, or the torque does not follow the speed.
       real(dp) :: turns = 0

@@ -132,10 +132,10 @@ contains
       call v%on_integer(row('torque_revolutions', '', 'revolutions over which torque_table goes; 2: four strokes', least=one, &
                             most=2*one), body%torque_revolutions)
       given = follows_speed(body)
-      call v%on_real(row('torque_speed_exponent', '', 'the mean torque goes with this power of the speed: 2 of propellers and &
-                         &fans, -1 at constant power; 0: the same at all speeds. Every mesh must have teeth, whose stiffness stays &
-                         &that of the torque as given; the slope of the torque damps no vibration', least=-4.0_dp, most=4.0_dp), &
-                     body%torque_speed_exponent, given)
+      call v%on_real(row('torque_speed_exponent', '', 'the mean torque is proportional to this power of the speed: 2 of &
+                         &propellers and fans, -1 at constant power; 0: the same at all speeds. Every mesh must have teeth, &
+                         &whose stiffness stays that of the torque as given; the slope of the torque damps no vibration', &
+                         least=-4.0_dp, most=4.0_dp), body%torque_speed_exponent, given)
       given = .not. abs(body%torque_speed) <= 0
       call v%on_real(row('torque_speed', 'rpm', 'speed of the body at which the mean torque is as given, where it follows the &
                          &speed', above=zero), body%torque_speed, given)
