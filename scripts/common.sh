@@ -8,7 +8,7 @@ mkdir -p build/log
 release=build/release
 # Of the debug build by fpm: bounds, pointers and shapes checked, signalling NaN in what is not set, a stop at the first invalid
 # operation.
-debug_checks='-Og -g -fbacktrace -fcheck=all,no-array-temps -finit-real=snan -ffpe-trap=invalid,zero'
+debug_checks='-Og -g1 -fbacktrace -fcheck=all,no-array-temps -finit-real=snan -ffpe-trap=invalid,zero'
 # Warnings are errors, but for those that right code cannot avoid: an override that ignores an argument, an index that an
 # if guards, the bounds of an allocatable array that has not been allocated. Given without --profile, or its flags would come last.
 debug_flags="$debug_checks -Werror -std=f2018 -Wall -Wextra -Wimplicit-interface -Wimplicit-procedure"

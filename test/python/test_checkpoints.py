@@ -111,7 +111,7 @@ def test_python_refuses_and_the_rest_is_whole(checkpoints, kind):
 
 
 @pytest.mark.parametrize(("kind", "analyses"), [
-    ("response", "&response from = 0.2, to = 2.6, step = 0.0003, max_points = 100000 /\n"),
+    ("response", "&response from = 0.2, to = 2.6, step = 0.0006, max_points = 100000 /\n"),
     pytest.param("doublings", "&response from = 1.6, to = 4.2, period_doublings = 1, step = 0.0005, max_points = 100000 /\n",
                  marks=pytest.mark.nightly),
     pytest.param("attractors", "&attractors frequency = 0.6, starts = 300 /\n", marks=pytest.mark.nightly),

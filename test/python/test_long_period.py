@@ -256,14 +256,14 @@ def paper_case(folder, analyses):
 
 @pytest.mark.full
 @pytest.mark.parametrize(("analyses", "words"), [
-    (SLOW, r"response: about [\d.]+ (s|min) expected: "
+    (SLOW, r"response: about [\d.]+ (s|min|h) expected: "
            r"(verdicts take \d+ % of the time: stability = \.false\. takes about .*|a point takes .*)"),
     ("&integration from = 0.2, to = 2.6, points = 100000, direction = 'both' /\n",
-     r"integration: about \d+ (s|min) expected: 200000 points of .*"),
-    ("&attractors frequency = 0.6, starts = 100000 /\n", r"attractors: about \d+ (s|min) expected: 100000 points of .*"),
-    ("&run_up from = 0.2, to = 2.6, duration = 1000.0, samples = 1 /\n", r"run up: about \d+ (s|min) expected"),
+     r"integration: about \d+ (s|min|h) expected: 200000 points of .*"),
+    ("&attractors frequency = 0.6, starts = 100000 /\n", r"attractors: about \d+ (s|min|h) expected: 100000 points of .*"),
+    ("&run_up from = 0.2, to = 2.6, duration = 1000.0, samples = 1 /\n", r"run up: about \d+ (s|min|h) expected"),
     ("&stability_map from = 0.4, to = 1.6, points = 200, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 2000 /\n",
-     r"stability map: about \d+ (s|min) expected: 2000 rows of .*"),
+     r"stability map: about \d+ (s|min|h) expected: 2000 rows of .*"),
 ])
 def test_a_long_run_says_how_long_it_takes(executable, tmp_path, analyses, words):
     told, _ = first_lines(executable, paper_case(tmp_path, analyses), 15.0, words)

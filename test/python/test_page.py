@@ -80,6 +80,7 @@ def test_holds_the_results(page_results, page_path):
     np.testing.assert_array_equal(told["loci"][0]["values"], page_results.locus.parameter)
 
 
+@pytest.mark.full
 def test_says_which_rms_it_has(page_results, drawn_branch):
     """The paper's for a case in Lambda, the true rms for a train with a drawing; damping in per cent."""
     told = unpacked(page_results.page().html)["files"][0]

@@ -284,13 +284,20 @@ def test_map_tells_a_cell(shown, page_results):
     np.testing.assert_allclose(line, [page_results.locus.frequency, page_results.locus.parameter])
 
 
+@pytest.fixture(scope="module")
+def drawn_page(drawn, tmp_path_factory):
+    branch = drawn.response(start=1640, stop=1700, unit="rpm", harmonics=0, tolerance=1e-3)
+    path = tmp_path_factory.mktemp("drawn") / "drawn.html"
+    branch.page(path)
+    return branch, path
+
+
 @pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 @pytest.mark.parametrize("width", [1280, 390])
-def test_a_train_with_a_drawing_opens_on_its_mesh_force_over_rpm(browser, drawn, tmp_path, width):
+def test_a_train_with_a_drawing_opens_on_its_mesh_force_over_rpm(browser, drawn_page, width):
     """Ticks are plain numbers; the page is no wider than the screen."""
-    branch = drawn.response(start=1640, stop=1700, unit="rpm", harmonics=0, tolerance=1e-3)
-    branch.page(tmp_path / "drawn.html")
-    page = Shown(browser, tmp_path / "drawn.html", width=width)
+    branch, path = drawn_page
+    page = Shown(browser, path, width=width)
     assert page.js("[state.quantity, state.unit]") == ["mesh_force_maximum", "rpm"]
     assert page.js("byId('curve').layout.yaxis.title.text") == "largest mesh force  [N]"
     assert page.js("byId('curve').layout.xaxis.title.text") == "speed of motor  [rpm]"

@@ -116,6 +116,7 @@ def test_unequal_shafts_have_panels(branch):
     assert len(branch.plot(quantity="mesh_force").figure.axes) == 1
 
 
+@pytest.mark.full
 def test_a_train_with_a_drawing_opens_on_its_mesh_force(drawn_branch):
     branch = drawn_branch
     ax = branch.plot()
@@ -221,6 +222,7 @@ def test_the_largest_at_an_end_of_the_range_is_no_peak_but_told(train):
     assert pickle.loads(pickle.dumps(peaks)) == peaks and str(pickle.loads(pickle.dumps(peaks))) == str(peaks)
 
 
+@pytest.mark.full
 def test_jumps_and_special_points_are_tables(branch, drawn_branch):
     heading, *rows = str(branch.jumps).splitlines()
     assert len(rows) == len(branch.jumps) and "jump down" in rows[0] and heading.split()[:3] == ["sweep", "fundamental", "[Hz]"]

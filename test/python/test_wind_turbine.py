@@ -51,31 +51,36 @@ class Turbine:
         elements = [*(numbers[f"shaft {number}"] for number in range(1, 5)), *self.meshes]
         self.stiffness, self.damping = (np.array([part[name] for part in elements]) for name in ("stiffness", "damping"))
         self.half = np.array([mesh["half_backlash"] for mesh in self.meshes])
-        self.kappa, self.error = (
-            np.array([[np.append(mesh.get(f"{name}_{part}", 0.0), np.zeros(3))[:3] for part in ("cos", "sin")]
-                      for mesh in self.meshes])
-            for name in ("stiffness", "error")
-        )
+        self.kappa, self.error = self.harmonics("stiffness"), self.harmonics("error")
+
+    def harmonics(self, name):
+        """Of the harmonics 1 to 3 of each mesh, as factors of exp(i harmonic angle)."""
+        cosine, sine = (np.array([np.append(mesh.get(f"{name}_{part}", 0.0), np.zeros(3))[:3] for mesh in self.meshes])
+                        for part in ("cos", "sin"))
+        return cosine - 1j * sine
 
     def fly(self, rpm, begin, length, samples):
         """Mesh displacements [m] from rest, at instants of the last part of a flight."""
-        omega, harmonics, n = self.order * rpm * 2 * np.pi / 60, np.arange(1, 4), len(BODIES)
+        omega, n = self.order * rpm * 2 * np.pi / 60, len(BODIES)
+        # Errors, their rates and the variation of the stiffness.
+        factors = np.stack([self.error, self.error * 1j * np.outer(omega, np.arange(1, 4)), self.kappa]).swapaxes(1, 2)
+        columns = self.rows.T.copy()
 
         def displacements(t, y):
-            angle = np.outer(omega * t, harmonics)
-            waves = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-            rates = omega[:, None, None] * harmonics * np.stack([-np.sin(angle), np.cos(angle)], axis=1)
-            p, v = self.rows @ y[:n], self.rows @ y[n:]
-            p[4:] += (self.error * waves).sum(axis=(1, 2))
-            v[4:] += (self.error * rates).sum(axis=(1, 2))
-            return p, v, 1 + (self.kappa * waves).sum(axis=(1, 2))
+            wave = np.exp(1j * omega * t)
+            square = wave * wave
+            error, rate, kappa = (factors * (wave, square, square * wave)).real.sum(axis=1)
+            p, v = y.reshape(2, n) @ columns
+            p[4:] += error
+            v[4:] += rate
+            return p, v, 1 + kappa
 
         def rates(t, y):
             p, v, kappa = displacements(t, y)
             force = self.stiffness * p + self.damping * v
-            gap = p[4:] - np.clip(p[4:], -self.half, self.half)
+            gap = p[4:] - np.minimum(np.maximum(p[4:], -self.half), self.half)
             force[4:] = self.stiffness[4:] * kappa * gap + self.damping[4:] * v[4:]
-            return np.concatenate([y[n:], (self.torque - self.rows.T @ force) / self.inertia])
+            return np.concatenate([y[n:], (self.torque - columns @ force) / self.inertia])
 
         rest = np.linalg.lstsq(self.rows.T, self.torque, rcond=None)[0]
         twist = rest / self.stiffness
