@@ -84,7 +84,7 @@ contains
             call parameter_of(train, trim(names(n)), parameter, error)
             call find_slope()
             if (allocated(error)) cycle
-            off = abs(gradient%values(1, n) - slope)/(exact*max(abs(slope), least) + spread)
+            off = abs(gradient%values(1, n) - slope)/(exact*max(abs(slope), least) + spread + gradient%uncertainty(1, n))
             if (.not. off >= 0) off = huge(off)
             if (off > worst) name = names(n)
             worst = max(worst, off)
@@ -97,28 +97,31 @@ contains
    contains
 
       !> Differences of fourth order, with half the change until three of them agree, of which two may by chance: folds of long
-      !> chains lie so close to one another that a change by 4e-4 would go beyond the next fold.
+      !> chains lie so close to one another that a change by 4e-4 would go beyond the next fold. Where none agree, the one of least
+      !> error: by how much it differs from the one before, or the rounding of Lambda over its change. That rounding is the largest
+      !> of the last four, which is not small by chance.
       subroutine find_slope()
-         real(dp) :: h, wide, narrow, before, last
-         integer :: halving
+         real(dp) :: wide, narrow
+         real(dp), dimension(8) :: h, slopes, errors
+         integer :: k
 
-         h = 4e-4_dp*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)
-         least = 1e-3_dp*gradient%frequency_ratio/max(abs(parameter%value), 1e3_dp*h)
-         call find_difference(h, wide)
-         slope = huge(slope)
-         spread = huge(slope)
-         do halving = 1, 8
+         h = 4e-4_dp*merge(abs(parameter%value), 0.1_dp, abs(parameter%value) > 0)*0.5_dp**[(k, k=0, size(h) - 1)]
+         least = 1e-3_dp*gradient%frequency_ratio/max(abs(parameter%value), 1e3_dp*h(1))
+         errors = huge(errors)
+         call find_difference(h(1), wide)
+         do k = 1, size(h)
             if (allocated(error)) return
-            before = slope
-            last = spread
-            call find_difference(h/2, narrow)
-            slope = (8*narrow - wide)/(6*h)
-            spread = abs(slope - before)
-            if (max(spread, last) < 2*exact*max(abs(slope), least)) return
+            call find_difference(h(k)/2, narrow)
+            slopes(k) = (8*narrow - wide)/(6*h(k))
             wide = narrow
-            h = h/2
+            slope = slopes(k)
+            if (k > 1) errors(k) = abs(slope - slopes(k - 1))
+            spread = maxval(errors(max(1, k - 1):k))
+            if (spread < 2*exact*max(abs(slope), least)) return
          end do
-         spread = max(spread, last)
+         errors = max(errors, maxval(errors(5:)*h(5:))/h)
+         spread = minval(errors)
+         slope = slopes(minloc(errors, 1))
       end subroutine find_slope
 
       !> Lambda of the special point with the parameter greater by h, less Lambda with the parameter less by h.

@@ -151,7 +151,7 @@ contains
          s = -f/slope
          found = abs(s) < longest
          if (.not. found) return
-         if (abs(f) <= converged*self%corrector%units%frequency_ratio .or. abs(s) <= converged*self%length) exit
+         if (abs(s) <= converged*self%length) exit
       end do
       found = abs(s) <= must_be*max(self%length, smallest)
       same = self%corrector%length_of(self%solution%u - begun%u, self%solution%frequency_ratio - begun%frequency_ratio) &

@@ -189,6 +189,7 @@ contains
          off = abs(ratio)*(across%error + abs(across%value/along%value)*along%error)
          if (off <= max(unsettled*(abs(y) + abs(ratio*across%value)), floor_of(n))) then
             gradient%values(1, n) = y - ratio*across%value
+            gradient%uncertainty(1, n) = off
          else
             gradient%reason(n) = abrupt
          end if

@@ -26,6 +26,8 @@ module geartrain_network_gradient
    type :: gradient_type
       !> Derivatives [unit of the figure/unit of the parameter], (mesh, shaft or mode, parameter); NaN where there is none.
       real(dp), allocatable :: values(:, :)
+      !> Estimated errors of derivatives that are differences, 0 of others; like values.
+      real(dp), allocatable :: uncertainty(:, :)
       !> Why there is none, blank where there is one, (parameter).
       character(reason_length), allocatable :: reason(:)
       !> Lambda of the special point as the balance has it [1].
@@ -114,6 +116,7 @@ contains
 
       none = ieee_value(none, ieee_quiet_nan)
       allocate (gradient%values(items, parameters), source=none)
+      allocate (gradient%uncertainty(items, parameters), source=0.0_dp)
       allocate (gradient%reason(parameters))
       gradient%reason = ''
    end subroutine begin_gradient
@@ -155,7 +158,8 @@ contains
       class(parameters_type), intent(in) :: self
       !> Number of the parameter.
       integer, intent(in) :: n
-      !> Change of the parameter over its value [1]; of a parameter that is 0 over a hundredth of its unit, or of b_c for a length.
+      !> Change of the parameter over its value [1]; of a parameter that is 0 over a hundredth of its unit, of b_c for a length, or
+      !> over one radian.
       real(dp), intent(in) :: step
       !> The trains, where there is a derivative: it is the sum of weight(i) times what sides%system(i) has.
       type(sides_type), intent(out) :: sides
@@ -165,7 +169,16 @@ contains
       logical :: fits
 
       h = step*self%value_of(n)
-      if (.not. h > 0) h = step*merge(self%plain%characteristic_length, 1.0_dp, self%named(n)%parameter(1)%unit == 'm')/100
+      if (.not. h > 0) then
+         select case (self%named(n)%parameter(1)%unit)
+         case ('m')
+            h = step*self%plain%characteristic_length/100
+         case ('rad')
+            h = step
+         case default
+            h = step/100
+         end select
+      end if
       ! Of fourth order in h, at an end of the range of the parameter to one side.
       sides%change = h*[-2, -1, 1, 2]
       sides%weight = [1, -8, 8, -1]/(12*h)
