@@ -144,6 +144,26 @@ def test_what_is_no_claim_is_in_nobodys_way_for_long(folder, text):
             assert claim is not None
 
 
+@pytest.mark.parametrize("make", [os.mkfifo, lambda path: path.symlink_to("/dev/zero"), os.mkdir], ids=["pipe", "device", "folder"])
+@pytest.mark.parametrize("place", ["plans/x.npz", "batches/x.npz", "claims/x"])
+def test_what_is_no_file_is_told_at_once(folder, capsys, make, place):
+    """A pipe that nobody writes to, and a device without end, as an archive from elsewhere may hold them."""
+    for path in Store(folder).paths():
+        path.unlink()
+    plan, = (folder / "plans").iterdir()
+    place = folder / place.replace("claims/x", f"claims/{plan.stem}-000000")
+    if place.parent == plan.parent:
+        plan.unlink()  # the latest is read
+    make(place)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        status = main([str(folder), "--workers", "1"])
+    if place.parent.name == "batches":
+        assert status == 0 and next(str(warning.message) for warning in told).startswith(f"{place}: is damaged")
+    else:
+        assert status == 4 and str(place) in capsys.readouterr().err
+
+
 def test_a_folder_that_was_removed_is_computed_again(folder, whole):
     assert study().run(folder).identical(whole[1])
     shutil.rmtree(folder)

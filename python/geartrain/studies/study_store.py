@@ -7,10 +7,12 @@ any machines may write at once. A claim is a file that its owner touches; the cl
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import json
 import os
 import socket
+import stat
 import threading
 import uuid
 import warnings
@@ -143,7 +145,7 @@ class Store:
         if not paths:
             raise FileNotFoundError(plain(f"{self.folder}: holds no study"))
         try:
-            return Plan.load(paths[-1].read_bytes())
+            return Plan.load(_content(paths[-1]))
         except FileNotFoundError:
             raise
         except _DAMAGED as error:
@@ -181,7 +183,7 @@ class Store:
     def read(self, path: Path) -> Batch | None:
         """A batch; None, with a warning, of a damaged file."""
         try:
-            return _batch(path.read_bytes())
+            return _batch(_content(path))
         except _DAMAGED as error:
             if path.exists():
                 words = plain(f"{path}: is damaged ({error}): its points count as not computed")
@@ -193,7 +195,7 @@ class Store:
         found: dict[bytes, str] = {}
         for path in self.paths():
             with contextlib.suppress(*_DAMAGED):
-                batch = _batch(path.read_bytes())
+                batch = _batch(_content(path))
                 if (batch.status != DONE).any():
                     rows = zip(batch.keys.tolist(), batch.status.tolist(), batch.message.tolist())
                     found |= {key: message for key, status, message in rows if key in keys and status != DONE}
@@ -221,7 +223,7 @@ class Store:
                 if self._seen.get(path.name) == written:
                     continue
                 anew = anew or path.name in self._seen  # points were taken out of it
-                batch = _batch(path.read_bytes())
+                batch = _batch(_content(path))
                 self._seen[path.name] = written
                 for key, status in zip(batch.keys.tolist(), batch.status.tolist()):
                     if self._known.get(key) != DONE:
@@ -274,7 +276,7 @@ class Store:
     def _bury(self, path: Path) -> bool:
         """Remove the claim of a dead process; the point that it was at is a suspect."""
         try:
-            text, touched = path.read_bytes(), path.stat().st_mtime
+            text, touched = _content(path), path.stat().st_mtime
         except FileNotFoundError:
             return True
         if not _is_dead(text) and abs(self._now() - touched) < _STALE:
@@ -294,6 +296,14 @@ class Store:
             (self.suspects / key.decode()).touch()
         aside.unlink()
         return True
+
+
+def _content(path: Path) -> bytes:
+    """The bytes of a file. A pipe would keep the reader waiting, and a link to a device has no end."""
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise OSError(errno.EINVAL, "is no ordinary file", str(path))
+        return file.read()
 
 
 def _has_no_writer(path: Path) -> bool:
