@@ -8,7 +8,9 @@ import pytest
 from rexs_files import Gearbox, one_stage, planetary, two_stages
 
 import geartrain as gt
+from geartrain.errors import plain
 from geartrain.files import rexs_file
+from geartrain.files.rexs import case_of_rexs
 
 pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 
@@ -76,6 +78,18 @@ def test_what_turns_is_determined(tmp_path):
 def test_all_problems_at_once(tmp_path):
     box = two_stages().change("Pinion 1 [", number_of_teeth=None).change("Wheel 2 [", normal_module=None)
     assert len(refused(box.write(tmp_path / "gearbox.rexs")).splitlines()) == 2
+
+
+@pytest.mark.parametrize("character", ["\x1b[2J", "\x9b31m", "\x85", "\u202e", "\u2028", "\ud800", "\n"])
+def test_names_that_act_on_a_terminal(tmp_path, character):
+    """Whatever a case refuses in a name is escaped, in the train and in the case that the command prints."""
+    box = two_stages()
+    path = tmp_path / "a.rexsj"
+    path.write_text(json.dumps(json.loads(box.json(), object_hook=lambda row: (
+        {**row, "name": f"1{character}x {row['name']}"} if row.get("name") else row))))
+    text = gt.read_rexs(path).namelist() + case_of_rexs(path)
+    assert all(line.isprintable() for line in text.splitlines()), text
+    assert plain(" ".join(f"1{character}x".split())) in gt.read_rexs(path).bodies[0].name
 
 
 # Files that are no gearboxes.

@@ -211,7 +211,8 @@ class _Maker:
 
     def component(self, number: Any, kind: Any, name: Any, line: int, into: dict[int, Component] | None = None) -> Component:
         components = self.components if into is None else into
-        made = Component(self.number(number, "component", line), str(kind or ""), str(name or ""), line)
+        name = plain(" ".join(str(name or "").split()))  # it becomes a name of the case
+        made = Component(self.number(number, "component", line), str(kind or ""), name, line)
         if made.number in components:
             raise self.wrong(line, f"component {made.number} stands in the file twice")
         components[made.number] = made
