@@ -28,6 +28,8 @@ SMALL = {
     "duration": 0.02, "starts": 2, "seeds": 2, "harmonics": 4, "max_periods": 20, "values": {"input_torque": 100.0},
     "parameters": "input_torque", "near": 0.459, "period": 1,
 }
+#: Names in arguments that are mappings.
+MAPPINGS = dict.fromkeys(("values", "product", "distributions"), ("input_torque", "mesh 1 stiffness_cos", "mesh 1 stiffness_cos 1"))
 SETTINGS = {"points", "parameter_points", "starts", "seeds", "harmonics", "max_periods", "period"}
 #: Methods of Python's own types, and what opens a browser.
 OTHERS = {*dir(list), *dir(dict), "show"}
@@ -81,7 +83,8 @@ def attempts_of(name, call, given):
     """What to call with, by what messages call the attempt: a nonsense for each argument."""
     parameters = inspect.signature(call).parameters.values()
     for one in parameters:
-        for word, nonsense in NONSENSE.items():
+        within = [(f"{key}: {word}", {key: value}) for key in MAPPINGS.get(one.name, ()) for word, value in NONSENSE.items()]
+        for word, nonsense in [*NONSENSE.items(), *within]:
             named = {
                 other.name: SMALL[other.name] for other in parameters
                 if other.name in SMALL and (other.default is other.empty or other.name in SETTINGS)
@@ -135,6 +138,7 @@ def test_every_call_refuses_nonsense_in_words(found, tmp_path, monkeypatch, time
     (lambda train, branch: branch.separation_ranges(np.array([1, 2])), r"mesh = array\(\[1, 2\]\): must be"),
     (lambda train, branch: branch.at(0.5)[0].phase_plane(np.array([1, 2])), r"mesh = array\(\[1, 2\]\): must be"),
     (lambda train, branch: branch.at(0.5)[0].plot(periods=np.array([1, 2])), r"periods = array\(\[1, 2\]\): must be"),
+    (lambda train, branch: train.with_values({"input_torque": 10**400}), "train input_torque: .*10+.*: must be of type real"),
     (lambda train, branch: gt.read_case("a\0b"), r"path = 'a\\x00b': must be the path"),
     (lambda train, branch: gt.read_results("x\0"), "path = .*: must be"),
     (lambda train, branch: gt.Page("").write("a\0b"), r"path = 'a\\x00b': must be the path"),

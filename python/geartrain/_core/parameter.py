@@ -275,7 +275,7 @@ def _fits(value: Any, kind: str) -> bool:
     """Whether a value, perhaps as a text, is a number of a kind."""
     try:
         number = float(value)
-    except ValueError:
+    except (ValueError, OverflowError):  # a text, or an integer beyond all numbers
         return False
     return kind == "real" or number == round(number)
 
