@@ -4,7 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import ROOT, reducer, run, single_pair
+from conftest import ROOT, paper_train, reducer, run, single_pair
 
 import geartrain as gt
 from paper_cases import CHANGES, case_texts, paper_case
@@ -124,3 +124,11 @@ def test_an_unstable_motion_of_a_high_order_is_that_of_order_1():
         amplitude = np.hypot(motion.coefficients[0, 1::2], motion.coefficients[0, 2::2])
         assert not amplitude[np.arange(1, len(amplitude) + 1) % order != 0].any()
         assert amplitude[order - 1] == pytest.approx(np.hypot(*known.coefficients[0, 1:3]), rel=1e-10)
+
+
+def test_what_nothing_excites_is_its_mean():
+    """The alternating part of such a motion is rounding, over which no error can be told."""
+    branch = paper_train().with_values({"mesh * stiffness_cos 1": 0.0}).response(start=0.3, stop=0.303, harmonics=4)
+    assert np.all(branch.rms < 1e-12)
+    audit = branch.audit(points=3)
+    assert audit.ok and not any(audit.finding), audit

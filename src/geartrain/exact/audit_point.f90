@@ -84,7 +84,7 @@ contains
       logical, intent(in) :: at_fold
       type(audit_row_type), intent(inout) :: row
       type(motion_type) :: motion
-      real(dp) :: error
+      real(dp) :: error, rounding
       integer :: told
       logical :: refined
 
@@ -103,9 +103,11 @@ contains
             error = waveform_error(balance, motion%coefficients)
          end if
       end associate
-      if (error > max(far, another*row%estimate) .or. (row%error >= 0 .and. error > row%error)) return
+      rounding = rounding_of(motion%coefficients)
+      ! A motion without excitation is nothing but its mean and rounding.
+      if (error > max(far, another*row%estimate, rounding) .or. (row%error >= 0 .and. error > row%error)) return
       row%error = error
-      row%rounding = rounding_of(motion%coefficients)
+      row%rounding = rounding
       row%finding = ''
       if (at_fold) then
          row%exact_verdict = 'fold'
