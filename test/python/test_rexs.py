@@ -350,6 +350,48 @@ def test_the_executable_without_the_package(executable, tmp_path):
     assert done.returncode == 2 and "b.rexs is one too many" in done.stderr
 
 
+# Measured pitch errors.
+
+def test_pitch_errors_of_a_table(tmp_path):
+    """The same train as with values worked out by hand: a helical gear, from the reference circle to the line of action."""
+    file = two_stages().write(tmp_path / "gearbox.rexs")
+    microns = np.round(5 * np.sin(2 * pi * np.arange(23) / 23) + 0.4 * np.cos(9 * np.arange(23)), 2)
+    cosine = COSINE / np.hypot(COSINE, np.tan(radians(20)))  # of the transverse pressure angle
+    expected = gt.read_rexs(file).with_values({"mesh 1 driving_pitch_error": 1e-6 * cosine * microns})
+    teeth = range(1, 24)
+    tables = {
+        "plain.txt": "\n".join(map(str, microns)),
+        "numbered.csv": "# Pinion 1 [11]\ntooth,error [mm]\n" + "".join(f"{t},{x / 1000}\n" for t, x in zip(teeth, microns)),
+        "comma.csv": "tooth;F_p [\N{MICRO SIGN}m]\n" + "".join(f"{t};{x}\n" for t, x in zip(teeth, microns)).replace(".", ","),
+    }
+    for name, text in tables.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+        for gear in ("mesh 1 driving", "Pinion 1 [11]"):
+            train = gt.read_rexs(file, pitch_errors={gear: tmp_path / name})
+            # Seven digits are written.
+            assert np.allclose(train.meshes[0].driving_pitch_error, expected.meshes[0].driving_pitch_error, rtol=0, atol=5e-13)
+            assert not train.meshes[0].driven_pitch_error and not train.meshes[1].driving_pitch_error
+            notes = [note for note in train.notes if name in note]
+            assert len(notes) == (2 if name == "plain.txt" else 1) and f"times {cosine:.5f}" in notes[0]
+    (tmp_path / "wheel.txt").write_text("0.5\n" * 71, encoding="utf-8")
+    train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "plain.txt", "Wheel 1 [14]": tmp_path / "wheel.txt"})
+    assert train.meshes[0].driving_pitch_error and train.meshes[0].driven_pitch_error == pytest.approx([0.5e-6 * cosine] * 71)
+
+
+@pytest.mark.full  # three commands, of which two start Python
+def test_from_rexs_to_a_report_with_sidebands(executable, tmp_path):
+    one_stage().write(tmp_path / "gearbox.rexs")
+    np.savetxt(tmp_path / "pinion.txt", 20 * np.cos(2 * pi * 9 * np.arange(23) / 23))
+    done = run("geartrain-rexs", "gearbox.rexs", "--pitch-errors", "Pinion [8]", "pinion.txt", cwd=tmp_path, env=scripts())
+    assert (done.returncode, done.stderr) == (0, "")
+    # A narrow range with a peak is as good a test as the range of the file.
+    (tmp_path / "case.nml").write_text(done.stdout.replace("from = 300.0", "from = 1675.0").replace("to = 1800.0", "to = 1650.0"))
+    assert run(executable, "case.nml", cwd=tmp_path).returncode == 0
+    assert run("geartrain-report", "case.h5", "-o", "report.html", cwd=tmp_path, env=scripts()).returncode == 0
+    report = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "Orders and sidebands" in report and "mesh 1 - 9 x Pinion [8]" in report
+
+
 # DIN 3967.
 
 @pytest.mark.parametrize(("diameter", "upper", "lower"), [(0.13, 115, 165), (0.30, 155, 215), (0.70, 210, 290), (1.20, 290, 390),

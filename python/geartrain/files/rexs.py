@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import difflib
+import math
 import os
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, plain
+from ..errors import InputError, plain, shown
 from ..train import Train
+from .pitch_table import read_pitch_table
 from .rexs_draft import Draft
 from .rexs_file import RexsFile, read_file
+from .rexs_gears import Entry
 from .rexs_source import Source
 from .rexs_train import draft_of
 
@@ -22,7 +27,10 @@ _READ = ("shaft", "shaft_section", "cylindrical_gear", "ring_gear", "cylindrical
 _RESULTS = 12
 
 
-def read_rexs(path: str | os.PathLike[str], *, load_case: int | None = None) -> Train:
+def read_rexs(
+    path: str | os.PathLike[str], *, load_case: int | None = None,
+    pitch_errors: Mapping[str, str | os.PathLike[str]] | None = None,
+) -> Train:
     """Read a gearbox from a REXS file, versions 1.0 to 2.0: ``.rexs`` (XML), ``.rexsj`` (JSON), ``.rexsz`` (zip).
 
     Shafts with sections, cylindrical and planetary stages, couplings, loads and materials are read. Bevel and worm stages are
@@ -33,6 +41,11 @@ def read_rexs(path: str | os.PathLike[str], *, load_case: int | None = None) -> 
     path : path-like
     load_case : int, optional
         Of the load spectrum, from 1 on. Unless told the loads beside it, or the load case of the longest time.
+    pitch_errors : dict, optional
+        Files with measured pitch errors of gears: ``{"mesh 1 driving": "pinion.txt"}``, or by the gear's own name. A line has the
+        cumulative error of a tooth on the reference circle, as ISO 1328-1 measures it, in the order in which the teeth engage;
+        positive: towards the mate. The number of the tooth may stand before it. A heading may have the unit, ``[um]`` (the
+        default), ``[mm]`` or ``[m]``.
 
     Returns
     -------
@@ -52,21 +65,26 @@ def read_rexs(path: str | os.PathLike[str], *, load_case: int | None = None) -> 
     >>> [note for note in train.notes if note.startswith("missing")]  # doctest: +SKIP
     ['missing: inertia of the machine at Load [38], which REXS does not have; ...']
     """
-    draft, source, _ = _drafted(path, load_case)
+    draft, source, _ = _drafted(path, load_case, pitch_errors)
     train = Train._of([group for group in draft.values() if group[0] not in ("modes", "response")])
     object.__setattr__(train, "notes", tuple(source.notes))
     return train
 
 
-def case_of_rexs(path: str | os.PathLike[str], *, load_case: int | None = None) -> str:
+def case_of_rexs(
+    path: str | os.PathLike[str], *, load_case: int | None = None,
+    pitch_errors: Mapping[str, str | os.PathLike[str]] | None = None,
+) -> str:
     """The case of a REXS file as text: every number with the component that it is of."""
-    draft, source, file = _drafted(path, load_case)
+    draft, source, file = _drafted(path, load_case, pitch_errors)
     head = [f"From {Path(path).name}: REXS {file.version}, written by {file.application or 'an unknown program'}",
             "Numbers are in SI units, angles in degrees. Each has its unit and the component that it is of."]
     return draft.text([plain(line) for line in head], source.notes)
 
 
-def _drafted(path: str | os.PathLike[str], load_case: int | None) -> tuple[Draft, Source, RexsFile]:
+def _drafted(
+    path: str | os.PathLike[str], load_case: int | None, pitch_errors: Mapping[str, str | os.PathLike[str]] | None,
+) -> tuple[Draft, Source, RexsFile]:
     if isinstance(load_case, bool) or not isinstance(load_case, (int, type(None))):
         raise InputError(f"load_case = {load_case!r}: must be a whole number")
     file = read_file(path)
@@ -76,8 +94,50 @@ def _drafted(path: str | os.PathLike[str], load_case: int | None) -> tuple[Draft
             source.wrong(component, "refers to another file, which is not read: export the gearbox as one file")
     title = " ".join(Path(path).stem.split())
     draft = draft_of(source, plain(title)[:80])
+    for gear, table in (pitch_errors or {}).items():
+        _add_pitch_errors(draft, source, gear, table)
     _tell_unused(source, draft)
     return draft, source, file
+
+
+def _add_pitch_errors(draft: Draft, source: Source, gear: str, path: str | os.PathLike[str]) -> None:
+    """Measured pitch errors of a gear, from the reference circle to the line of action."""
+    group, side = _find_gear(draft, gear)
+    table, name = read_pitch_table(path), plain(Path(path).name)
+    teeth = group["teeth"].value[side == "driven"]
+    if len(table.errors) != teeth:
+        raise InputError(f"{os.fspath(path)}:{table.last}: error: has {len(table.errors)} pitch errors, and the gear {shown(gear)} "
+                         f"has {teeth} teeth")
+    if f"{side}_pitch_error" in group:
+        raise InputError(f"pitch errors of {shown(gear)}: are given twice")
+    normal, helix = (math.radians(group[angle].value) for angle in ("pressure_angle", "helix_angle"))
+    slope = math.cos(math.atan2(math.tan(normal), math.cos(helix)))
+    group[f"{side}_pitch_error"] = Entry([float(f"{slope * error:.7g}") for error in table.errors],
+                                         f"{name}, along the line of action")
+    source.note("assumed", "cumulative pitch errors on the reference circle, in the order in which the teeth engage, positive: "
+                           f"towards the mate; times {slope:.5f}, the cosine of the pressure angle, along the line of action", name)
+    if not table.has_unit:
+        source.note("assumed", "in um, as no heading has a unit", name)
+
+
+def _find_gear(draft: Draft, gear: str) -> tuple[dict[str, Entry], str]:
+    """The mesh of a gear, ``'mesh 1 driving'`` or the name of its component, and which of its gears it is."""
+    meshes = [entries for kind, _, entries in draft.groups if kind == "mesh"]
+    known = {f"mesh {number} {side}": (entries, side) for number, entries in enumerate(meshes, 1) for side in ("driving", "driven")}
+    if gear in known:
+        return known[gear]
+    # The teeth stand beside the names of both gears.
+    named = [place for place, (entries, side) in known.items() if isinstance(gear, str) and
+             (entries["teeth"].told.startswith(f"{gear}, ") if side == "driving" else entries["teeth"].told.endswith(f", {gear}"))]
+    if len(named) == 1:
+        return known[named[0]]
+    if named:
+        raise InputError(f"pitch errors of {shown(gear)}: it is in several meshes, with a flank for each: say {' or '.join(named)}")
+    listed = [f"mesh {number} driving or driven ({entries['teeth'].told})" for number, entries in enumerate(meshes, 1)]
+    near = difflib.get_close_matches(str(gear), [*known, *(word for one in meshes for word in one["teeth"].told.split(", "))], 1, 0.5)
+    hint = f" (did you mean {near[0]!r}?)" if near else ""
+    raise InputError(f"pitch errors of {shown(gear)}: there is no such gear{hint}; gears of planetary sets take none. There is: "
+                     f"{'; '.join(listed) or 'no mesh outside planetary sets'}")
 
 
 def _tell_unused(source: Source, draft: Draft) -> None:

@@ -12,6 +12,8 @@ from .rexs_gears import Entry
 
 __all__ = ["Draft"]
 
+_A_LINE = 8  # numbers
+
 
 @dataclass
 class Draft:
@@ -38,11 +40,19 @@ class Draft:
         for group, told, entries in self.groups:
             lines.append(f"&{group}" + (f"   ! {plain(told)}" if told else ""))
             for name, entry in entries.items():
-                value = f"   {name} = {_text(entry.value)}"
+                value, *more = _lines(name, entry.value)
                 words = "; ".join(word for word in (_unit(group, name), plain(entry.told)) if word)
-                lines.append(f"{value:<60} ! {words}" if words else value)
+                lines += [f"{value:<60} ! {words}" if words else value, *more]
             lines.append("/")
         return "\n".join(lines) + "\n"
+
+
+def _lines(name: str, value: Any) -> list[str]:
+    """A variable with its value, of long lists some numbers a line."""
+    if not isinstance(value, list) or len(value) <= _A_LINE:
+        return [f"   {name} = {_text(value)}"]
+    rows = [_text(value[first:first + _A_LINE]) for first in range(0, len(value), _A_LINE)]
+    return [f"   {name} =", *(f"      {row}," for row in rows[:-1]), f"      {rows[-1]}"]
 
 
 def _unit(group: str, name: str) -> str:
