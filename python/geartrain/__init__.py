@@ -56,6 +56,7 @@ from .results.motions import Motions
 from .results.run_up import RunUp
 from .results.special_point import SpecialPoint
 from .results.stability_map import StabilityMap
+from .results.state_space import StateSpace
 from .results.summary import Jump, Peak, Peaks
 from .results.sweep import Sweep
 from .results.trajectory import Trajectory
@@ -104,6 +105,7 @@ __all__ = [
     "Space",
     "SpecialPoint",
     "StabilityMap",
+    "StateSpace",
     "Study",
     "StudyExplanation",
     "Sweep",

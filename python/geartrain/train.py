@@ -20,6 +20,7 @@ from .plots.planetary_picture import draw_stage
 from .plots.schematic import draw_schematic, figure_size
 from .results.campbell import Campbell
 from .results.modes import Modes
+from .results.state_space import StateSpace, state_space_of
 from .variables import PARTS
 
 if TYPE_CHECKING:
@@ -120,6 +121,30 @@ class Train(OnTheBalance, InTime):
     def modes(self) -> Modes:
         """Natural frequencies, damping ratios and mode shapes of the mean system."""
         return self._found("modes", {}, lambda box: Modes._from(box, self), in_parts=False)
+
+    def state_space(self, *, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None) -> StateSpace:
+        """The train as a linear system, for controllers: contact everywhere, mean mesh stiffness, torques of bodies as inputs.
+
+        Parameters
+        ----------
+        inputs : sequence of str, optional
+            Names of bodies; all unless told.
+        outputs : sequence of str, optional
+            Elements as `modes` names them, ``'shaft 1'``, ``'mesh 1'``, for their torques and forces, and bodies for their speeds;
+            all elements unless told.
+
+        Returns
+        -------
+        StateSpace
+
+        Examples
+        --------
+        >>> reducer = gt.read_case("namelists/reducer.nml").train
+        >>> system = reducer.state_space(inputs=["motor"], outputs=["shaft 1", "load"])
+        >>> system.A.shape, system.units
+        ((11, 11), ('N m', 'rad/s'))
+        """
+        return state_space_of(self, self.modes(), inputs, outputs)
 
     def campbell(self, *, start: float, stop: float, unit: Unit | None = None) -> Campbell:
         """Natural frequencies of the mean train, the orders that excite them, and the speeds where they meet.

@@ -134,7 +134,8 @@ def _find_gear(draft: Draft, gear: str) -> tuple[dict[str, Entry], str]:
     if named:
         raise InputError(f"pitch errors of {shown(gear)}: it is in several meshes, with a flank for each: say {' or '.join(named)}")
     listed = [f"mesh {number} driving or driven ({entries['teeth'].told})" for number, entries in enumerate(meshes, 1)]
-    near = difflib.get_close_matches(str(gear), [*known, *(word for one in meshes for word in one["teeth"].told.split(", "))], 1, 0.5)
+    words = [*known, *(word for entries in meshes for word in entries["teeth"].told.split(", "))]
+    near = [word for word in words if word.startswith(f"{gear} ")] or difflib.get_close_matches(str(gear), words, 1)
     hint = f" (did you mean {near[0]!r}?)" if near else ""
     raise InputError(f"pitch errors of {shown(gear)}: there is no such gear{hint}; gears of planetary sets take none. There is: "
                      f"{'; '.join(listed) or 'no mesh outside planetary sets'}")

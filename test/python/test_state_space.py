@@ -1,0 +1,84 @@
+"""The train as a linear system: against matrices written by hand, natural frequencies and time integration."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import ROOT, reducer
+
+import geartrain as gt
+
+pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+
+
+def case(name):
+    return gt.read_case(ROOT / "namelists" / f"{name}.nml").train
+
+
+def test_against_matrices_by_hand():
+    """I theta'' + B^T (c B theta' + k B theta) = T of the reducer, solved at frequencies about all resonances."""
+    train = reducer()
+    numbers = train.explain()
+    bodies, elements = train.body_labels, ("shaft 1", "mesh 1", "shaft 2", "mesh 2", "shaft 3")
+    inertia = np.diag([numbers[name]["inertia"] for name in bodies])
+    rows = np.zeros((5, 6))
+    for place, name in enumerate(elements):  # each body turns as the train does
+        rows[place, place:place + 2] = numbers[name]["base_radius"] * [1, -1] if name.startswith("mesh") else [1, -1]
+    k, c = (np.array([numbers[name][what] for name in elements]) for what in ("stiffness", "damping"))
+    system = train.state_space(inputs=["motor", "wheel 1"], outputs=[*elements, "pinion 1", "load"])
+    assert system.units == ("N m", "N", "N m", "N", "N m", "rad/s", "rad/s") and not system.D.any()
+    for frequency in (3.0, 400.0, 1234.0, *train.natural_frequencies(unit="Hz")):
+        s = 2j * np.pi * frequency
+        # The angle of the rigid motion has no spring: the inertia holds it.
+        theta = np.linalg.solve(s**2 * inertia + rows.T * (k + s * c) @ rows, np.eye(6)[:, [0, 2]])
+        expected = np.vstack([((k + s * c) * (rows @ theta).T).T, s * theta[[1, 5]]])
+        # Rounding of the modes, some 1e-13 of the stiffest, times the resonance ratio of up to 100.
+        assert np.allclose(system.response(frequency), expected, rtol=1e-8, atol=1e-9 * abs(expected).max())
+
+
+@pytest.mark.parametrize("name", ["reducer", "planetary", "bearings", "clutch"])
+def test_eigenvalues_are_those_of_the_modes(name):
+    train = case(name)
+    modes, system = train.modes(), train.state_space()
+    found = np.linalg.eigvals(system.A) / train.explain()["train"]["characteristic_frequency"]
+    found = found[abs(found) > 1e-6 * abs(found).max()]  # the rigid motion's is 0
+    vibrating = np.sort(found[found.imag > 1e-9 * abs(found).max()].imag)
+    assert np.allclose(vibrating, np.sort(modes.damped_frequency[modes.damping_ratio < 1]), rtol=1e-8)
+    assert len(system.states) == 2 * len(modes.natural_frequency) + len(train.rigid_motions)
+
+
+def test_against_time_integration():
+    """A torque at the fundamental on a train that is linear: amplitude and lag of shaft torque and mesh force."""
+    bodies = [gt.Body(name="motor", inertia=0.02, torque=90.0, torque_cos=[12.0]), gt.Body(name="pinion", inertia=3e-4),
+              gt.Body(name="wheel", inertia=2e-3, damping_to_ground=0.4), gt.Body(name="load", inertia=0.5, balances=True)]
+    shafts = [gt.Shaft(between=("motor", "pinion"), stiffness=1e4, damping_ratio=0.02),
+              gt.Shaft(between=("wheel", "load"), stiffness=2e4, damping_ratio=0.03)]
+    mesh = gt.Mesh(between=("pinion", "wheel"), driving_radius=0.03, driven_radius=0.05, stiffness=4e8, damping_ratio=0.05)
+    train = gt.Train(bodies=bodies, shafts=shafts, meshes=[mesh], characteristic_frequency=1000.0,
+                     characteristic_length=1e-6)
+    system = train.state_space(inputs=["motor"], outputs=["shaft 1", "shaft 2", "mesh 1"])
+    for ratio in (0.4, 0.9):
+        motion = train.integrate(ratio * train.natural_frequencies()[0])
+        expected = 12.0 * system.response(motion.fundamental_frequency)[:, 0]
+        values = np.column_stack([motion.shaft_torque, motion.mesh_force])
+        found = 2 * np.fft.fft(values, axis=0)[motion.period] / len(values)
+        # Settled to 1e-9 of the displacement, of which the shaft torque is a difference.
+        assert np.allclose(found, expected, rtol=1e-6)
+
+
+def test_what_is_no_linear_system(paper):
+    with pytest.raises(gt.InputError, match="needs a train of bodies"):
+        paper.state_space()
+    with pytest.raises(gt.InputError, match=r"inputs = \['engine'\]: must be a list of names: motor, pinion 1"):
+        reducer().state_space(inputs=["engine"])
+    with pytest.raises(gt.InputError, match="coupling 1 has dry friction"):
+        train = case("clutch")
+        rubbing = [replace(train.couplings[0], friction_torque=3.0), train.couplings[1]]
+        replace(train, couplings=rubbing).state_space()
+
+
+@pytest.fixture(name="paper")
+def _paper():
+    from conftest import paper_train
+
+    return paper_train()
