@@ -62,6 +62,15 @@ def _reducer_train():
     return reducer()
 
 
+@pytest.mark.parametrize("package", ["pyuff", "asammdf"])
+def test_a_folder_that_is_not_there(motion, tmp_path, package):
+    pytest.importorskip(package)
+    write = motion.to_uff if package == "pyuff" else motion.to_mdf
+    with pytest.raises(OSError, match="No such file"):
+        write(tmp_path / "none" / "a.mf4")
+    assert not (tmp_path / "none").exists()
+
+
 def test_the_ending_of_mdf(motion, tmp_path):
     with pytest.raises(gt.InputError, match=r"must end in \.mf4"):
         motion.to_mdf(tmp_path / "a.dat")
@@ -155,10 +164,11 @@ def test_words_of_order_cuts(ramp, asked, words):
         ramp.order_cuts(**asked)
 
 
-@pytest.mark.parametrize("package", ["rainflow", "pyuff", "asammdf"])
-def test_a_package_that_is_missing(motion, monkeypatch, tmp_path, package):
+@pytest.mark.parametrize("package", ["rainflow", "pyuff", "asammdf", "xarray"])
+def test_a_package_that_is_missing(motion, ramp, monkeypatch, tmp_path, package):
     monkeypatch.setitem(sys.modules, package, None)
     calls = {"rainflow": lambda: motion.rainflow("shaft 2"), "pyuff": lambda: motion.to_uff(tmp_path / "a.uff"),
-             "asammdf": lambda: motion.to_mdf(tmp_path / "a.mf4")}
-    with pytest.raises(ModuleNotFoundError, match=rf"needs {package}, which is not installed: pip install 'geartrain\[measure\]'"):
+             "asammdf": lambda: motion.to_mdf(tmp_path / "a.mf4"), "xarray": lambda: ramp.order_cuts([1])}
+    part = "data" if package == "xarray" else "measure"
+    with pytest.raises(ModuleNotFoundError, match=rf"needs {package}, which is not installed: pip install 'geartrain\[{part}\]'"):
         calls[package]()

@@ -94,12 +94,15 @@ class Recording:
         ------
         ModuleNotFoundError
             Where asammdf is not installed.
+        OSError
         """
         name = os.fspath(path)
         if not name.lower().endswith(".mf4"):
             raise InputError(f"path = {shown(name)}: must end in .mf4, as files of ASAM MDF 4 do")
         asammdf = extra("asammdf")
         time, channels, _ = self._recorded(periods, 1)
+        # A folder that is not there is an OSError: asammdf would make it.
+        open(name, "wb").close()
         with asammdf.MDF(version="4.10") as target:
             target.append([asammdf.Signal(samples=channel.values, timestamps=time, name=channel.title, unit=channel.unit)
                            for channel in channels], comment="geartrain", common_timebase=True)
