@@ -135,7 +135,8 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "half_backlash": Variable("half_backlash", "real", "float", 0.0, False, "Half of the backlash along the line of action in the transverse plane, b; 0: linear mesh, unless `backlash` is given; [m]; >= 0"),
         "stiffness_cos": Variable("stiffness_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ... of kappa(t) = 1 + ..., the mesh stiffness over its mean"),
         "stiffness_sin": Variable("stiffness_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ..."),
-        "stiffness_table": Variable("stiffness_table", "reals", "Series", None, False, "Stiffness at 4 or more equidistant instants of a mesh cycle, joined by a trigonometric polynomial; gives the mean stiffness and kappa; [N/m]; > 0"),
+        "stiffness_table": Variable("stiffness_table", "reals", "Series", None, False, "Stiffness at 4 or more equidistant instants of a mesh cycle, joined by a trigonometric polynomial; gives the mean stiffness and kappa. With table_loads: load over deflection, load after load; [N/m]; > 0"),
+        "table_loads": Variable("table_loads", "reals", "Series", None, False, "Ascending loads at which stiffness_table gives the stiffness: at each instant the force is a polygon over the displacement, with corners at the mean deflections under the loads; [N]; > 0"),
         "back_stiffness": Variable("back_stiffness", "real", "float", None, False, "Mean stiffness of the back flanks, which touch at p < -half_backlash; default: as the drive flanks; [N/m]; > 0"),
         "back_phase": Variable("back_phase", "real", "float", 0.0, False, "Lag of kappa of the back flanks behind kappa of the drive flanks, in the mesh cycle; [rad]"),
         "contact_ratio": Variable("contact_ratio", "real", "float", None, False, "Gives kappa as the rectangular wave of the number of tooth pairs in contact, in place of stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the beginning of the cycle if the integer part of the ratio is odd, else at half the cycle; > 1 and <= 10"),
@@ -415,6 +416,7 @@ class Mesh(Part, variables=VARIABLES["mesh"]):
     stiffness_cos: Series | None = None
     stiffness_sin: Series | None = None
     stiffness_table: Series | None = None
+    table_loads: Series | None = None
     back_stiffness: float | None = None
     back_phase: float | None = None
     contact_ratio: float | None = None

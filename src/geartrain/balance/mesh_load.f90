@@ -95,6 +95,7 @@ contains
          h = eta*law%harmonic(i)
          kappa = maxval(abs(law%amplitude(i, :)))
          third = third + kappa*(h**3*moment(0) + 3*h**2*moment(1) + 3*h*moment(2) + moment(3))
+         if (allocated(law%offset)) third = third + maxval(abs(law%offset(i, :)))*h**3
       end do
       highest = maxval([1, harmonic])
       load_resolution = max(resolution(norm2(u(2:)), moment(3), highest), resolution(force, third, highest))
@@ -157,6 +158,10 @@ contains
             if (s > law%lowest) below = law%wall(s - 1)
             if (s < law%highest) above = law%wall(s)
             force = force + merge(self%kappa(:, s, mesh)*(p - law%origin(s)), 0.0_dp, p > below .and. p <= above)
+            if (.not. allocated(law%offset)) cycle
+            do q = 1, size(p)
+               if (p(q) > below .and. p(q) <= above) force(q) = force(q) + law%offset_at(s, 2*pi*self%eta*(q - 1)/size(p))
+            end do
          end do
          call sample(u, harmonic, transform, derivative=.true.)
          if (law%jumps) then

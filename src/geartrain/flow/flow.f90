@@ -11,7 +11,7 @@ module geartrain_flow_flow
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_dry_friction, only: friction_type, undecided
    use geartrain_flow_friction_events, only: begin_friction, change_mode, meet_jump
-   use geartrain_flow_taylor, only: add_waves, last_term, recur, series_value, sum_series
+   use geartrain_flow_taylor, only: accelerate, add_waves, last_term, recur, series_value, sum_series
    use geartrain_flow_wall_event, only: first_wall
    use geartrain_network_system, only: shear, system_type
    implicit none (type, external)
@@ -59,6 +59,8 @@ module geartrain_flow_flow
       !> Taylor coefficients of the displacements of the elements that close loops where the coordinates are 0 [1], (0:order + 1,
       !> loop).
       real(dp), allocatable, private :: loop(:, :)
+      !> Taylor coefficients of the offsets of laws that have them [1], (0:order, mesh).
+      real(dp), allocatable :: offset(:, :)
       !> Mesh and wall of the event at the present time, 0: none; number of successive events at the present time.
       integer, private :: event_mesh = 0, event_wall = 0, stuck = 0
       !> The state is not valid: since `setup` an event was passed over because too many events fell on one instant, or the step
@@ -99,12 +101,12 @@ contains
       self%order = order
       self%tolerance = tolerance
       if (allocated(self%x)) deallocate (self%x, self%p, self%v, self%work, self%kappa, self%excitation, self%contact, &
-                                         self%loop, self%spring, self%damping, self%origin, self%terms)
+                                         self%loop, self%spring, self%damping, self%origin, self%terms, self%offset)
       associate (n => system%elements)
          allocate (self%x(columns, system%states), self%p(columns, n, 0:order), self%v(columns, n, 0:order), &
                    self%work(columns*n, 4), self%kappa(0:order, system%meshes), self%excitation(0:order, n), &
                    self%contact(system%meshes), self%loop(0:order + 1, n - system%coordinates), self%spring(n), self%damping(n), &
-                   self%origin(system%meshes), self%terms(system%meshes))
+                   self%origin(system%meshes), self%terms(system%meshes), self%offset(0:order, system%meshes))
       end associate
       call self%friction%setup(system, order)
       self%contact = 1
@@ -381,6 +383,11 @@ contains
          if (allocated(system%speed_loads)) call system%speed_loads%accelerate(self%frequency_ratio &
                                                          + self%acceleration*self%time, self%acceleration, self%excitation)
          do j = 1, system%meshes
+            if (allocated(system%law(j)%offset)) then
+               self%offset(:, j) = 0
+               call add_series(self, system%law(j)%harmonic, system%law(j)%offset(:, self%contact(j)), self%offset(:, j))
+               call accelerate(system, system%mesh_element(j), self%offset(:, j), self%excitation)
+            end if
             if (size(system%transmission_error(j)%amplitude) == 0) cycle
             error = 0
             associate (series => system%transmission_error(j))

@@ -33,6 +33,7 @@ contains
          else
             force = force + law%stiffness(region)*stretch
          end if
+         if (allocated(law%offset)) force = force + flow%offset(:, mesh)
       end associate
       do i = 1, flow%friction%count
          if (flow%friction%mesh(i) == mesh) force = force + flow%friction%force(:, i)

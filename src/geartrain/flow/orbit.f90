@@ -245,7 +245,8 @@ contains
          associate (law => system%law(j))
             phi = law%damping(region)*v
             if (law%stiffness(region) > 0) &
-               phi = phi + law%stiffness_at(region, frequency_ratio*flow%time)*(p - law%origin(region))
+               phi = phi + law%stiffness_at(region, frequency_ratio*flow%time)*(p - law%origin(region)) &
+                     + law%offset_at(region, frequency_ratio*flow%time)
          end associate
          largest(:, j) = max(largest(:, j), [phi, -phi])
       end subroutine reach

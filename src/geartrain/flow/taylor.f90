@@ -5,7 +5,7 @@ module geartrain_flow_taylor
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: add_waves, last_term, recur, series_value, sum_series
+   public :: accelerate, add_waves, last_term, recur, series_value, sum_series
 
 contains
 
@@ -114,6 +114,25 @@ contains
          end do
       end associate
    end subroutine recur_columns
+
+   !> Adds the accelerations of the coordinates by a force in an element.
+   pure subroutine accelerate(system, element, force, acceleration)
+      !> The train.
+      type(system_type), intent(in) :: system
+      !> Number of the element.
+      integer, intent(in) :: element
+      !> Taylor coefficients of the force over k b_c [1], (0:order), and of the accelerations [1], (0:order, element).
+      real(dp), intent(in) :: force(0:)
+      real(dp), intent(inout) :: acceleration(0:, :)
+      integer :: i, n
+
+      do n = 1, system%coordinates
+         if (n == element) acceleration(:, n) = acceleration(:, n) - system%own(n)*force
+         do i = system%first(n), system%first(n + 1) - 1
+            if (system%neighbour(i) == element) acceleration(:, n) = acceleration(:, n) - system%coupling(i)*force
+         end do
+      end do
+   end subroutine accelerate
 
    !> Sets coefficient k of the elements that close loops from coefficient k of the coordinates.
    pure subroutine close_loops(columns, system, loop, k, p, v)

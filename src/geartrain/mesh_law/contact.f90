@@ -383,6 +383,7 @@ contains
          x = [(self%kappa_sample(k, region(k)), k=1, q)]
          call transform(spectra%stiffness)
          x = [(self%kappa_sample(k, region(k))*law%origin(region(k)), k=1, q)]
+         if (allocated(law%offset)) x = x - [(law%offset_at(region(k), 2*pi*self%eta*(k - 1)/q), k=1, q)]
          call transform(spectra%offset)
          if (.not. law%jumps) return
          x = [(law%damping(region(k)), k=1, q)]

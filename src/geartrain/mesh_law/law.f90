@@ -1,6 +1,6 @@
 !> The force of a mesh, piecewise linear in its displacement p: a row of numbers for each region of p. In region s
-!>    phi = kappa_s(theta) (p - origin_s) + gamma_s p',
-!>    kappa_s = stiffness_s + sum over h of Re(amplitude_hs exp(i harmonic_h theta)).
+!>    phi = kappa_s(theta) (p - origin_s) + offset_s(theta) + gamma_s p',
+!>    kappa_s = stiffness_s + sum over h of Re(amplitude_hs exp(i harmonic_h theta)), offset_s likewise without a mean.
 !> The elastic force is continuous at the walls between regions. The damping force may jump at a wall; it is the time derivative of
 !> gamma_s p + impulse_s, which is continuous.
 !>
@@ -26,6 +26,9 @@ module geartrain_mesh_law_law
       !> Harmonics of Lambda in kappa, ascending, (harmonic), and their complex amplitudes [1], (harmonic, lowest:highest).
       integer, allocatable :: harmonic(:)
       complex(dp), allocatable :: amplitude(:, :)
+      !> Complex amplitudes of the offset [1], (harmonic, lowest:highest), of a law whose stages vary over the cycle; not allocated:
+      !> none.
+      complex(dp), allocatable :: offset(:, :)
       !> Whether kappa of the region changes with time; whether the region has a stiffness; whether it has a row in the spectra: it
       !> has a stiffness, or the force jumps, (lowest:highest).
       logical, allocatable :: varies(:), elastic(:), acts(:)
@@ -35,12 +38,14 @@ module geartrain_mesh_law_law
    contains
       procedure :: begin
       procedure :: complete
+      procedure :: join
       procedure :: region_at
       procedure :: bearing
       procedure :: rest
       procedure :: stiffest
       procedure :: variation
       procedure :: stiffness_at
+      procedure :: offset_at
       procedure :: force
       procedure :: along
    end type law_type
@@ -92,6 +97,31 @@ contains
       self%elastic(:) = self%stiffness > 0
       self%acts(:) = self%elastic .or. self%jumps
    end subroutine complete
+
+   !> Derives origins and offsets of the stages beyond regions 1 and -1, so that the elastic force is continuous at every instant.
+   pure subroutine join(self)
+      class(law_type), intent(inout) :: self
+      integer :: s
+
+      allocate (self%offset(size(self%harmonic), self%lowest:self%highest), source=(0.0_dp, 0.0_dp))
+      do s = 1, self%highest - 1
+         call continue_at(self, self%wall(s), s, s + 1)
+      end do
+      do s = -1, self%lowest + 1, -1
+         call continue_at(self, self%wall(s - 1), s, s - 1)
+      end do
+   end subroutine join
+
+   !> Gives region `to` the force of region `from` at their wall.
+   pure subroutine continue_at(self, wall, from, to)
+      class(law_type), intent(inout) :: self
+      real(dp), intent(in) :: wall
+      integer, intent(in) :: from, to
+
+      self%origin(to) = wall - self%stiffness(from)/self%stiffness(to)*(wall - self%origin(from))
+      self%offset(:, to) = self%offset(:, from) + self%amplitude(:, from)*(wall - self%origin(from)) &
+                           - self%amplitude(:, to)*(wall - self%origin(to))
+   end subroutine continue_at
 
    !> Region of a displacement. On a wall: the region into which the velocity points; without velocity the region nearer to 0.
    pure integer function region_at(self, p, velocity) result(region)
@@ -174,6 +204,18 @@ contains
       stiffness_at = self%stiffness(s) + wave_value(self%harmonic, self%amplitude(:, s), phase)
    end function stiffness_at
 
+   !> Offset of a region [1].
+   pure real(dp) function offset_at(self, s, phase)
+      class(law_type), intent(in) :: self
+      !> Region.
+      integer, intent(in) :: s
+      !> Phase Lambda t [rad].
+      real(dp), intent(in) :: phase
+
+      offset_at = 0
+      if (allocated(self%offset)) offset_at = wave_value(self%harmonic, self%offset(:, s), phase)
+   end function offset_at
+
    !> Mesh force phi over k b_c [1].
    pure real(dp) function force(self, phase, p, velocity)
       class(law_type), intent(in) :: self
@@ -184,6 +226,7 @@ contains
       s = self%region_at(p)
       force = self%damping(s)*velocity
       if (self%stiffness(s) > 0) force = force + self%stiffness_at(s, phase)*(p - self%origin(s))
+      if (allocated(self%offset)) force = force + self%offset_at(s, phase)
    end function force
 
    !> phi and its first two derivatives with respect to theta by the row of region s, wherever p is.
@@ -214,6 +257,12 @@ contains
       phi(1) = kappa(1)*g + kappa(0)*p(1)
       phi(2) = kappa(2)*g + 2*kappa(1)*p(1) + kappa(0)*p(2)
       phi = phi + self%damping(s)*frequency_ratio/eta*p(1:3)
+      if (.not. allocated(self%offset)) return
+      do h = 1, size(self%offset, 1)
+         k = self%harmonic(h)*eta
+         term = self%offset(h, s)*exp(cmplx(0, k*theta, dp))
+         phi = phi + [term%re, -k*term%im, -real(k, dp)**2*term%re]
+      end do
    end subroutine along
 
 end module geartrain_mesh_law_law

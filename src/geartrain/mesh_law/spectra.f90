@@ -1,7 +1,7 @@
 !> Two-sided Fourier coefficients of the four functions of time in the force of a mesh along a given motion,
 !>    phi = stiffness p - offset + d/dt (damping p + impulse).
 !> Each function is the sum over regions s of chi_s, which is 1 where the motion is in region s and else 0, times kappa_s,
-!> kappa_s origin_s, gamma_s or impulse_s of the law. Between events these are trigonometric polynomials: closed form.
+!> kappa_s origin_s - offset_s, gamma_s or impulse_s of the law. Between events these are trigonometric polynomials: closed form.
 !>
 !> damping p + impulse is continuous, so the derivative of phi with respect to the motion is stiffness + d/dt damping, without terms
 !> for the instants of the events, although the damping force may jump at an event.
@@ -107,6 +107,11 @@ contains
          if (eta*law%harmonic(h) <= n) spectra%stiffness(eta*law%harmonic(h)) = law%amplitude(h, first)/2
       end do
       if (abs(law%origin(first)) > 0) spectra%offset(:n) = law%origin(first)*spectra%stiffness(:n)
+      if (.not. allocated(law%offset)) return
+      do h = 1, size(law%harmonic)
+         if (eta*law%harmonic(h) <= n) spectra%offset(eta*law%harmonic(h)) = spectra%offset(eta*law%harmonic(h)) &
+                                                                            - law%offset(h, first)/2
+      end do
    end subroutine find_spectra
 
    !> Adds all regions: a jump of size J at theta adds J exp(-i k theta)/(2 pi i k) to coefficient k of chi, then chi is multiplied
@@ -170,8 +175,31 @@ contains
             spectra%stiffness(k) = spectra%stiffness(k) + kappa
             spectra%offset(k) = spectra%offset(k) + law%origin(s)*kappa
          end do
+         if (allocated(law%offset)) call take_offset(harmonic, law%offset(:, s), chi(:, s), spectra%offset(:n))
       end do
    end subroutine add_pieces
+
+   !> Subtracts the offset of a region, where the motion is in it, from the coefficients of the function that is subtracted.
+   pure subroutine take_offset(harmonic, amplitude, chi, coefficient)
+      !> Indices of the harmonics of the offset.
+      integer, intent(in) :: harmonic(:)
+      !> Their complex amplitudes; coefficients of chi, (0:).
+      complex(dp), intent(in) :: amplitude(:), chi(0:)
+      complex(dp), intent(inout) :: coefficient(0:)
+      integer :: h, i, k
+
+      do k = 0, ubound(coefficient, 1)
+         do i = 1, size(harmonic)
+            h = harmonic(i)
+            if (k >= h) then
+               coefficient(k) = coefficient(k) - amplitude(i)/2*chi(k - h)
+            else
+               coefficient(k) = coefficient(k) - amplitude(i)/2*conjg(chi(h - k))
+            end if
+            coefficient(k) = coefficient(k) - conjg(amplitude(i))/2*chi(k + h)
+         end do
+      end do
+   end subroutine take_offset
 
    !> Adds all jumps of chi of region s as `add_jump` does, to coefficients from index 1 on.
    subroutine add_jumps(s, first, instant, region, chi)

@@ -15,6 +15,7 @@ module geartrain_network_check_train
    use geartrain_network_limits, only: check_stiffest
    use geartrain_train_mesh_groups, only: enter_mesh, group_name
    use geartrain_network_scales, only: check_scales
+   use geartrain_mesh_law_loaded_contact, only: falling_instant
    use geartrain_train_mesh, only: has_table, is_given, mesh_type
    use geartrain_train_shaft, only: shaft_type
    use geartrain_train_train, only: train_type
@@ -169,14 +170,19 @@ contains
 
       harmonics = is_given(mesh%stiffness_cos) .or. is_given(mesh%stiffness_sin)
       if (has_table(mesh)) then
-         if (size(mesh%stiffness_table) < 4) &
+         if (is_given(mesh%table_loads)) then
+            call check_loads(mesh, checker)
+         else if (size(mesh%stiffness_table) < 4) then
             call checker%complain('stiffness_table', integer_text(size(mesh%stiffness_table))//' values', 'must be at least 4')
+         end if
          if (mesh%stiffness > 0) call checker%complain('stiffness', real_text(mesh%stiffness), &
                                                        'contradicts stiffness_table: leave out one of the two')
          if (mesh%contact_ratio > 0) call checker%complain('contact_ratio', real_text(mesh%contact_ratio), &
                                                            'contradicts stiffness_table: leave out one of the two')
          if (harmonics) call checker%complain('stiffness_table', '...', &
                                               'contradicts stiffness_cos, stiffness_sin: leave out one of the two')
+      else if (is_given(mesh%table_loads)) then
+         call checker%lacks('stiffness_table', 'for each of the table_loads', '')
       else if (mesh%stiffness > 0 .or. has_stiffness(mesh) .or. wrong) then
          continue
       else if (has_geometry(mesh)) then
@@ -197,6 +203,31 @@ contains
       if (mesh%contact_ratio > 0 .and. harmonics) call checker%complain('contact_ratio', real_text(mesh%contact_ratio), &
          'contradicts stiffness_cos, stiffness_sin: leave out one of the two')
    end subroutine check_stiffness
+
+   !> Loads ascend, each has the stiffness at the instants of a cycle, and the deflection grows with the load. Teeth of other
+   !> stiffness are not combined with them, and a mesh without backlash has no stages.
+   subroutine check_loads(mesh, checker)
+      type(mesh_type), intent(in) :: mesh
+      class(checker_type), intent(inout) :: checker
+      integer :: i, n
+
+      n = size(mesh%table_loads)
+      if (n < 2 .or. any(.not. mesh%table_loads(2:) > 1.01_dp*mesh%table_loads(:n - 1))) then
+         call checker%complain('table_loads', '...', 'must be two or more loads that ascend by 1 % or more; leave it out where &
+                                                     &the stiffness does not depend on the load')
+      else if (modulo(size(mesh%stiffness_table), n) /= 0 .or. size(mesh%stiffness_table) < 4*n) then
+         call checker%complain('stiffness_table', integer_text(size(mesh%stiffness_table))//' values', 'must be equally many, 4 or &
+                                                  &more, for each of the '//integer_text(n)//' table_loads')
+      else if (all(mesh%stiffness_table > 0)) then
+         i = falling_instant(mesh%table_loads, mesh%stiffness_table)
+         if (i > 0) call checker%complain('stiffness_table', '...', 'at instant '//integer_text(i)//' of the cycle the change of &
+            &load over the change of deflection (load over stiffness) must be 0.01 to 100 times the stiffness')
+      end if
+      if (.not. (mesh%half_backlash > 0 .or. mesh%backlash > 0)) &
+         call checker%complain('table_loads', '...', 'needs half_backlash or backlash > 0 m: a mesh that never parts has no stages')
+      if (any([(is_given(mesh%gear_error(i)%tooth_stiffness), i=1, 2)])) call checker%complain('table_loads', '...', &
+         'contradicts driving_tooth_stiffness, driven_tooth_stiffness: leave out one of the two')
+   end subroutine check_loads
 
    !> A mesh without backlash has no variables of back flanks.
    subroutine check_back(mesh, plain, checker)

@@ -33,11 +33,19 @@ contains
    pure subroutine divide_law(times, law)
       integer, intent(in) :: times
       type(law_type), intent(inout) :: law
-      complex(dp), allocatable :: amplitude(:, :)
+      complex(dp), allocatable :: amplitude(:, :), offset(:, :)
       logical :: kept(size(law%harmonic))
       integer :: s
 
+      ! Where kappa of no region varies, no offset does.
       kept = any(abs(law%amplitude) > 0, 2)
+      if (allocated(law%offset)) then
+         allocate (offset(count(kept), law%lowest:law%highest))
+         do s = law%lowest, law%highest
+            offset(:, s) = pack(law%offset(:, s), kept)
+         end do
+         call move_alloc(offset, law%offset)
+      end if
       allocate (amplitude(count(kept), law%lowest:law%highest))
       do s = law%lowest, law%highest
          amplitude(:, s) = pack(law%amplitude(:, s), kept)

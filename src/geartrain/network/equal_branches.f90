@@ -347,6 +347,8 @@ contains
       same_laws = all(a%harmonic == b%harmonic) .and. all(equal_numbers(a%wall, b%wall)) .and. &
                   all(equal_numbers(a%stiffness, b%stiffness)) .and. all(equal_numbers(a%origin, b%origin)) .and. &
                   all(equal_numbers(a%damping, b%damping)) .and. all(equal_amplitudes(a%amplitude, b%amplitude))
+      ! Offsets follow from stiffnesses and walls.
+      same_laws = same_laws .and. (allocated(a%offset) .eqv. allocated(b%offset))
    end function same_laws
 
    pure logical function same_series(a, b)

@@ -11,7 +11,7 @@ module geartrain_network_parameter
    use geartrain_network_parameter_table, only: entry_type, parameter_type, table_type
    use geartrain_train_body, only: has_table_of_torque
    use geartrain_train_gear_error, only: has_gear_error
-   use geartrain_train_mesh, only: mesh_type
+   use geartrain_train_mesh, only: has_loads, mesh_type
    use geartrain_train_mesh_groups, only: place_of
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -117,6 +117,8 @@ contains
          parameter%variable = rest
          parameter%value = largest_variation(plain%meshes)
          if (.not. parameter%value > 0) call refuse('no mesh stiffness varies')
+         if (any([(has_loads(train%meshes(at)), at=1, size(train%meshes))])) &
+            call refuse('the variation of a mesh with table_loads is given at each load: change stiffness_table')
          return
       end if
       at = index(rest, ' ', back=.true.)
@@ -184,6 +186,8 @@ contains
       else if (parameter%derived .and. damps_by_modes(train) .and. any(modal_variables == parameter%variable)) then
          call refuse('not in force in this train: the drawing gives it, and loss_factor or modal_damping the damping that goes &
                      &with it: name a number of the drawing, or give it in the case')
+      else if (is_of_first_stage()) then
+         call refuse('not in force in this train: table_loads give the variation at each load: name a value of stiffness_table')
       else if (is_of_flats()) then
          call refuse('not in force in this train alone: with more than four flats it is the same in x and y')
       else if (balances_others()) then
@@ -196,6 +200,16 @@ contains
       end if
 
    contains
+
+      !> Whether it is the variation of the first stage of a mesh with several.
+      logical function is_of_first_stage()
+         integer :: i
+
+         is_of_first_stage = .false.
+         if (parameter%group /= 'mesh' .or. index(parameter%variable, 'stiffness_') /= 1) return
+         if (all(parameter%variable /= [character(13) :: 'stiffness_cos', 'stiffness_sin'])) return
+         is_of_first_stage = any([(has_loads(train%meshes(i)) .and. any(parameter%index == [0, i]), i=1, size(train%meshes))])
+      end function is_of_first_stage
 
       !> Whether it is a stiffness or damping of a bearing with more than four flats.
       logical function is_of_flats()

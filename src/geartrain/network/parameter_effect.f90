@@ -6,6 +6,7 @@ module geartrain_network_parameter_effect
    use geartrain_network_modal_damping, only: resolve_damping
    use geartrain_network_parameter, only: variation
    use geartrain_network_parameter_table, only: add_to_parameter, parameter_type, table_type
+   use geartrain_train_mesh, only: has_loads
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -25,7 +26,7 @@ contains
       type(table_type) :: here, changed
       real(dp) :: step
       logical :: there
-      integer :: way
+      integer :: i, way
 
       ! A train with dry friction is one of another kind than a train without, whatever the amount.
       has_effect = .not. parameter%variable == 'friction_torque' .or. abs(parameter%value) > 0
@@ -33,6 +34,9 @@ contains
       if (parameter%plain .or. parameter%variable == variation .or. parameter%variable == 'phase') return
       ! The factors of the teeth are no variables of the plain train.
       if (index(parameter%variable, '_tooth_stiffness') > 0) return
+      ! Nor are the stages of a mesh.
+      if (any(parameter%variable == [character(15) :: 'stiffness_table', 'table_loads']) &
+          .and. any([(has_loads(train%meshes(i)), i=1, size(train%meshes))])) return
       step = drawing_step*merge(abs(parameter%value), 1.0_dp, abs(parameter%value) > 0)
       call derive(train, parameter, 0.0_dp, here, there)
       do way = 1, -1, -2

@@ -21,7 +21,7 @@ module geartrain_report_explain
    use geartrain_train_body, only: has_table_of_torque
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_labels, only: label_length, mesh_labels, shaft_labels
-   use geartrain_train_mesh, only: has_table, is_given, mesh_type
+   use geartrain_train_mesh, only: has_loads, has_table, is_given, mesh_type
    use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
    use geartrain_train_train, only: train_type
    use geartrain_train_turning, only: find_turning, turning_type
@@ -302,6 +302,7 @@ contains
          words = as_given
          if (has_stiffness(mesh)) words = 'c_gamma_alpha b, along the line of action in the transverse plane'
          if (has_table(mesh)) words = 'mean of stiffness_table'
+         if (has_loads(mesh)) words = 'mean over the cycle below the first corner, by stiffness_table'
          call carry(fields, field_type('stiffness', '', 'N/m', words), plain%stiffness)
          call context%damping%explain_element('mesh', i, fields)
          words = as_given
@@ -315,6 +316,15 @@ contains
             call carry(fields, field_type('stiffness_cos', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_cos)
          if (is_given(plain%stiffness_sin)) &
             call carry(fields, field_type('stiffness_sin', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_sin)
+         if (has_loads(mesh)) then
+            call carry(fields, field_type('stage_wall', 'stage', 'm', 'deflections at the corners: mean deflections under all but &
+                                          &the last of table_loads'), plain%stage_wall)
+            list = plain%stiffness*plain%stage_mean
+            call carry(fields, field_type('stage_stiffness', 'stage', 'N/m', 'mean over the cycle beyond the corners, change of &
+                                          &force over change of deflection'), list)
+            call carry(fields, field_type('stage_error', '', '1', 'largest difference of the force to a load at its deflection in &
+                                          &the table, over the load; more loads make it smaller'), plain%stage_error)
+         end if
          call explain_errors(mesh, context%plain%meshes(i), fields)
          words = source(mesh%half_backlash, 'half of backlash cos(alpha_wt): along the line of action in the transverse plane; &
             &backlash is along the working pitch circles')

@@ -6,12 +6,13 @@ module geartrain_train_mesh
    use geartrain_base_variable, only: largest
    use geartrain_mesh_law_law, only: law_type
    use geartrain_mesh_law_characteristic, only: characteristic_type, find_characteristic
+   use geartrain_mesh_law_loaded_contact, only: falling_instant, find_stages
    use geartrain_train_body, only: name_length
    use geartrain_train_gear_error, only: gear_error_type, has_tooth_factors
    implicit none (type, external)
    private
-   public :: mesh_type, coupling_radius, has_table, is_given, most_order, new_bearing, new_coupling, plain_coupling, plain_mesh, &
-      put_law, straighten
+   public :: mesh_type, coupling_radius, has_loads, has_table, is_given, most_order, new_bearing, new_coupling, plain_coupling, &
+      plain_mesh, put_law, straighten
 
    !> Displacement of a coupling per twist [m/rad]: 1 um stands for 1 mrad.
    real(dp), parameter :: coupling_radius = 1e-3_dp
@@ -52,6 +53,14 @@ module geartrain_train_mesh
       real(dp), allocatable :: stiffness_cos(:), stiffness_sin(:)
       !> In place of stiffness and its harmonics: stiffness at equidistant instants of a mesh cycle from its beginning [N/m].
       real(dp), allocatable :: stiffness_table(:)
+      !> Loads at which the table gives the stiffness, load over deflection [N], ascending, (load); those of a load stand side by
+      !> side. Not given: the stiffness does not depend on the load.
+      real(dp), allocatable :: table_loads(:)
+      !> Derived of a plain mesh with loads: deflections between the stages [m], (stage - 1); of the stages from the second on the
+      !> mean over `stiffness` [1], (stage - 1), and harmonics 1, 2, ... over `stiffness` [1], (harmonic, stage - 1); the largest
+      !> difference to a load of the table, over the load [1].
+      real(dp), allocatable :: stage_wall(:), stage_mean(:), stage_cos(:, :), stage_sin(:, :)
+      real(dp) :: stage_error = 0
       !> In place of the harmonics: contact ratio of a rectangular wave of the stiffness [1], 0: not given; harmonics of this wave.
       real(dp) :: contact_ratio = 0
       integer :: stiffness_harmonics = 5
@@ -117,6 +126,21 @@ contains
       has_table = is_given(mesh%stiffness_table)
    end function has_table
 
+   !> Whether the stiffness is given at several loads by a table that is in order.
+   pure logical function has_loads(mesh)
+      !> The mesh as given.
+      type(mesh_type), intent(in) :: mesh
+
+      has_loads = has_table(mesh) .and. is_given(mesh%table_loads)
+      if (.not. has_loads) return
+      associate (n => size(mesh%table_loads))
+         has_loads = n > 1 .and. modulo(size(mesh%stiffness_table), n) == 0 .and. size(mesh%stiffness_table) >= 4*n &
+                     .and. all(mesh%table_loads > 0) .and. all(mesh%table_loads(2:) > mesh%table_loads(:n - 1))
+      end associate
+      if (has_loads) has_loads = all(mesh%stiffness_table > 0 .and. mesh%stiffness_table <= largest)
+      if (has_loads) has_loads = falling_instant(mesh%table_loads, mesh%stiffness_table) == 0
+   end function has_loads
+
    !> Whether a list is given: an empty list is not.
    pure logical function is_given(list)
       !> Values in any unit; may be unallocated.
@@ -167,6 +191,7 @@ contains
       type(mesh_type), intent(inout) :: mesh
 
       mesh%half_backlash = 0
+      if (allocated(mesh%stage_wall)) deallocate (mesh%stage_wall)
       if (.not. mesh%is_coupling) return
       mesh%torsional_stiffness = mesh%stiffness*coupling_radius**2
       mesh%half_play = 0
@@ -200,10 +225,15 @@ contains
          ! A rectangular wave: one more tooth pair is in contact during the share contact_ratio - 1 of the cycle.
          plain%stiffness_cos = [(2*sin(h*pi*(mesh%contact_ratio - 1))/(h*pi*mesh%contact_ratio), h=1, mesh%stiffness_harmonics)]
       else if (has_table(mesh)) then
-         if (all(mesh%stiffness_table > 0 .and. mesh%stiffness_table <= largest)) call transform(mesh%stiffness_table, plain)
+         if (has_loads(mesh)) then
+            call take_loads(mesh%table_loads, mesh%stiffness_table, mesh%phase, plain)
+         else if (all(mesh%stiffness_table > 0 .and. mesh%stiffness_table <= largest)) then
+            call transform(mesh%stiffness_table, plain)
+         end if
       end if
       plain%contact_ratio = 0
       if (allocated(plain%stiffness_table)) deallocate (plain%stiffness_table)
+      if (allocated(plain%table_loads)) deallocate (plain%table_loads)
       if (is_given(mesh%error_table)) then
          call table_harmonics(mesh%error_table, mean, plain%error_cos, plain%error_sin)
          plain%error_mean = plain%error_mean + mean
@@ -229,6 +259,9 @@ contains
 
       if (mesh%is_coupling) then
          call put_stages(mesh, length, law)
+         return
+      else if (allocated(mesh%stage_wall)) then
+         call put_loaded_stages(mesh, length, law)
          return
       end if
       kappa = make_series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
@@ -293,6 +326,63 @@ contains
       law%origin(:) = found%origin*coupling_radius/length
       if (mesh%damping_acts == 'contact' .and. found%half_play > 0) law%damping(0) = 0
    end subroutine put_stages
+
+   !> Makes the force law of a mesh whose stiffness depends on the load: a region for each stage, of the back flanks as well.
+   pure subroutine put_loaded_stages(mesh, length, law)
+      type(mesh_type), intent(in) :: mesh
+      real(dp), intent(in) :: length
+      type(law_type), intent(out) :: law
+      type(series_type) :: kappa
+      complex(dp), allocatable :: amplitude(:, :)
+      real(dp), allocatable :: wall(:)
+      real(dp) :: back
+      integer :: h, n, s
+
+      n = size(mesh%stage_wall) + 1
+      wall = [mesh%half_backlash, mesh%half_backlash + mesh%stage_wall]/length
+      allocate (amplitude(size(mesh%stage_cos, 1), n), source=(0.0_dp, 0.0_dp))
+      kappa = make_series(mesh%stiffness_cos, mesh%stiffness_sin, 1.0_dp, mesh%order)
+      amplitude(:size(kappa%amplitude), 1) = kappa%amplitude
+      amplitude(:, 2:) = cmplx(mesh%stage_cos, -mesh%stage_sin, dp)
+      call law%begin(-n, [-wall(n:1:-1), wall], [(mesh%order*h, h=1, size(amplitude, 1))])
+      law%order = mesh%order
+      law%damping(:) = 1
+      if (mesh%damping_acts == 'contact') law%damping(0) = 0
+      back = 1
+      if (mesh%back_stiffness > 0) back = mesh%back_stiffness/mesh%stiffness
+      law%stiffness(1:) = [1.0_dp, mesh%stage_mean]
+      law%amplitude(:, 1:) = amplitude
+      law%origin(1) = wall(1)
+      law%origin(-1) = -wall(1)
+      do s = 1, n
+         law%stiffness(-s) = back*law%stiffness(s)
+         do h = 1, size(amplitude, 1)
+            law%amplitude(h, -s) = back*amplitude(h, s)*exp(cmplx(0, -h*mesh%back_phase, dp))
+         end do
+      end do
+      call law%join()
+   end subroutine put_loaded_stages
+
+   !> Sets mean stiffness, harmonics and stages to those of a table at several loads.
+   pure subroutine take_loads(load, table, phase, mesh)
+      real(dp), intent(in) :: load(:), table(:), phase
+      type(mesh_type), intent(inout) :: mesh
+      real(dp), allocatable :: wall(:), stiffness(:, :), cosine(:), sine(:)
+      integer :: s
+
+      call find_stages(load, table, wall, stiffness, mesh%stage_error)
+      call transform(stiffness(:, 1), mesh)
+      mesh%stage_wall = wall
+      allocate (mesh%stage_mean(size(wall)))
+      do s = 2, size(load)
+         call table_harmonics(stiffness(:, s), mesh%stage_mean(s - 1), cosine, sine)
+         if (abs(phase) > 0) call delay(phase, cosine, sine)
+         if (s == 2) allocate (mesh%stage_cos(size(cosine), size(wall)), mesh%stage_sin(size(cosine), size(wall)))
+         mesh%stage_cos(:, s - 1) = cosine/mesh%stiffness
+         mesh%stage_sin(:, s - 1) = sine/mesh%stiffness
+      end do
+      mesh%stage_mean = mesh%stage_mean/mesh%stiffness
+   end subroutine take_loads
 
    !> Sets mean stiffness and harmonics to the trigonometric polynomial of least degree through the values of a table.
    pure subroutine transform(table, mesh)

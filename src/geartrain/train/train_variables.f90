@@ -249,7 +249,11 @@ contains
                          &over its mean'), mesh%stiffness_cos)
       call v%on_list(row('stiffness_sin', '', 'sine amplitudes, harmonics 1, 2, ...'), mesh%stiffness_sin)
       call v%on_list(row('stiffness_table', 'N/m', 'stiffness at 4 or more equidistant instants of a mesh cycle, joined by a &
-                         &trigonometric polynomial; gives the mean stiffness and kappa', above=zero), mesh%stiffness_table)
+                         &trigonometric polynomial; gives the mean stiffness and kappa. With table_loads: load over &
+                         &deflection, load after load', above=zero), mesh%stiffness_table)
+      call v%on_list(row('table_loads', 'N', 'ascending loads at which stiffness_table gives the stiffness: at each instant the &
+                         &force is a polygon over the displacement, with corners at the mean deflections under the loads', &
+                         above=zero), mesh%table_loads)
       own_back = mesh%back_stiffness > 0
       call v%on_real(row('back_stiffness', 'N/m', 'mean stiffness of the back flanks, which touch at p < -half_backlash; default: &
                          &as the drive flanks', above=zero), mesh%back_stiffness, own_back)
