@@ -12,6 +12,8 @@ import pytest
 from conftest import run, write_case
 
 import geartrain as gt
+from geartrain.pages import page_command
+from geartrain.reports import report_command
 
 QUICK = "&response from = 0.4, to = 0.42 /\n"
 #: A temporary file as a killed writer leaves it.
@@ -19,6 +21,8 @@ LEFT = "{}.0123456789ABCDEF.tmp"
 KILLED = """
 import os, signal, sys
 import geartrain as gt
+from geartrain.pages import page_command
+from geartrain.reports import report_command
 html = gt.Page("<html>" + "new" * 20_000_000)
 print("begin", flush=True)
 html.write(sys.argv[1])
@@ -48,6 +52,20 @@ def test_what_is_no_results_file_is_not_replaced(executable, tmp_path, content):
         assert run(executable, case, "-o", precious).returncode == 0
         results.write(precious)
     assert h5py.is_hdf5(precious)
+
+
+@pytest.mark.parametrize("command", [page_command.main, report_command.main])
+@pytest.mark.parametrize("content", [b"print('precious')\n", b"", b"\x89HDF\r\n\x1a\n" + bytes(600)])
+def test_what_is_no_page_is_not_replaced(executable, tmp_path, capsys, command, content):
+    """By the commands that make pages and reports; the second time it is one."""
+    case, precious = write_case(tmp_path, QUICK), tmp_path / "precious.html"
+    assert run(executable, case, "-o", tmp_path / "a.h5").returncode == 0
+    precious.write_bytes(content)
+    arguments = [str(tmp_path / "a.h5"), "-o", str(precious)]
+    assert command(arguments) == 2 and "precious.html: is neither a page nor a report" in capsys.readouterr().err
+    assert precious.read_bytes() == content
+    precious.unlink()
+    assert command(arguments) == command(arguments) == 0
 
 
 def test_what_killed_writers_left_is_removed(executable, tmp_path):

@@ -10,7 +10,7 @@ from typing import NoReturn
 
 from ..errors import InputError, Interrupted, SolverError, plain
 
-__all__ = ["Parser", "exit_status", "refuse_results_file"]
+__all__ = ["Parser", "exit_status", "refuse_other_file"]
 
 
 class Parser(argparse.ArgumentParser):
@@ -39,7 +39,10 @@ def exit_status(work: Callable[[], int]) -> int:
     return status
 
 
-def refuse_results_file(output: Path, results: list[str]) -> None:
-    """InputError where a command would write over a file that it reads."""
-    if any(output.exists() and output.samefile(path) for path in results if Path(path).exists()):
-        raise InputError(f"{output}: is a results file: give another name by -o")
+def refuse_other_file(output: Path) -> None:
+    """InputError where a command would replace a file that is neither a page nor a report."""
+    if output.is_file():
+        with output.open("rb") as file:
+            begin = file.read(14).lower()
+        if not begin.startswith((b"<!doctype html", b"%pdf-")):
+            raise InputError(f"{output}: is neither a page nor a report, and would be replaced: give another name by -o")

@@ -7,7 +7,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._core.parser import Parser, exit_status, refuse_results_file
+from .._core.parser import Parser, exit_status, refuse_other_file
 from ..case import read_results
 from ..errors import plain
 from .page import page
@@ -23,7 +23,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _page(told: Namespace) -> int:
     output = Path(told.output) if told.output else Path(told.results).with_suffix(".html")
     paths = [told.results, *([told.compare] if told.compare else [])]
-    refuse_results_file(output, paths)
+    refuse_other_file(output)
     results = [read_results(path) for path in paths]
     names = ("", "") if told.compare is None else _names(*paths)
     made = page(results[0], output, compare=results[1] if told.compare else None, names=names)

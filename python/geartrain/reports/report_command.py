@@ -8,7 +8,7 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-from .._core.parser import Parser, exit_status, refuse_results_file
+from .._core.parser import Parser, exit_status, refuse_other_file
 from ..case import read_results
 from ..errors import DrawingWarning, plain
 
@@ -22,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def _report(told: Namespace) -> int:
     output = Path(told.output) if told.output else Path(told.results).with_suffix(".pdf")
-    refuse_results_file(output, [told.results])
+    refuse_other_file(output)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DrawingWarning)  # the report has them
         read_results(told.results).report(output)
