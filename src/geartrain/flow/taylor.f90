@@ -121,8 +121,9 @@ contains
       type(system_type), intent(in) :: system
       !> Number of the element.
       integer, intent(in) :: element
-      !> Taylor coefficients of the force over k b_c [1], (0:order), and of the accelerations [1], (0:order, element).
+      !> Taylor coefficients of the force over k b_c [1], (0:order).
       real(dp), intent(in) :: force(0:)
+      !> Taylor coefficients of the accelerations [1], (0:order, element).
       real(dp), intent(inout) :: acceleration(0:, :)
       integer :: i, n
 
