@@ -1,7 +1,7 @@
 !> A branch of orbits, each found by shooting: of trains with dry friction, whose motions have no harmonic balance, because
 !> harmonics do not represent sticking. The exact branch is followed step by step like the branch of a balance: by its tangent,
-!> through folds, with changes of stability located within the steps. Where a coupling begins or ceases to stick or to slip, the
-!> branch has a corner, which it passes by short steps.
+!> through folds, with changes of stability located within the steps. Where a coupling begins or ceases to stick or to slip, or
+!> teeth meet, the branch has a corner or a sharp bend. A step may go over a corner if the tangents at its ends meet.
 module geartrain_exact_orbit_branch
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
@@ -27,8 +27,15 @@ module geartrain_exact_orbit_branch
    integer, parameter :: under_way = 0
    !> Length of the first step, and of the smallest one [units_type].
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-8_dp
-   !> Cosine of the angle between the tangents of a step above which the next step is longer, and below which it is shorter [1].
-   real(dp), parameter :: straight = 0.995_dp, bent = 0.97_dp
+   !> Least cosine of the angle between the tangents at the ends of the step that closes a branch [1].
+   real(dp), parameter :: straight = 0.995_dp
+   !> Angle between the tangents at the ends of a step [rad], and distance from its guess over its length [1], aimed at: as a rule,
+   !> and in steps shorter than `unseen` of the largest displacement or velocity, as next to a corner, too short to show the bend.
+   real(dp), parameter :: angle_aim(2) = [0.8_dp, 1.2_dp], correction_aim(2) = [0.3_dp, 0.6_dp], unseen = 0.01_dp
+   !> Least and largest length of a step over that of the step before [1].
+   real(dp), parameter :: least_factor = 0.4_dp, largest_factor = 3
+   !> Largest displacement or velocity above which the largest step grows in proportion to it [units_type].
+   real(dp), parameter :: large = 5
    !> Special points that change the stability without a fold.
    character(*), parameter :: kinds(3) = [character(15) :: 'period doubling', 'neimark-sacker', 'branch point']
 
@@ -52,7 +59,7 @@ module geartrain_exact_orbit_branch
       procedure :: value_of
       procedure :: trace
       procedure :: record
-      procedure, private :: land, add_changes, measured
+      procedure, private :: land, add_changes, measured, next_step
    end type orbit_tracer_type
 
 contains
@@ -85,12 +92,13 @@ contains
       character(*), intent(in) :: analysis
       type(orbit_type) :: next, began
       class(orbit_test_type), allocatable :: test
-      real(dp) :: h, cosine
+      real(dp) :: h, cosine, wall, longest
       integer :: steps, mesh
       logical :: success, at_bound, keep_going, closing
 
       began = here
       h = min(first_step, self%step)
+      wall = 0
       steps = 0
       outcome = under_way
       do
@@ -113,6 +121,7 @@ contains
          if (closing) next = began
          if (at_bound .and. .not. closing) call self%land(merge(high, low, next%frequency_ratio >= high), here, next, success)
          if (.not. success) then
+            wall = h
             h = h/3
             if (h >= smallest_step) cycle
             outcome = stuck
@@ -151,10 +160,31 @@ contains
             end if
          end if
          if (outcome /= under_way) return
-         if (cosine > straight) h = min(1.5_dp*h, self%step)
-         if (cosine < bent) h = h/1.5_dp
+         ! Half of the way to where a step was refused, at most.
+         wall = wall - h
+         longest = huge(1.0_dp)
+         if (wall > h) longest = wall/2
+         h = min(self%next_step(here, h, cosine), longest)
       end do
    end subroutine trace
+
+   !> Length of the next step [units_type]: aims at an angle between the tangents and at a correction of the guess.
+   real(dp) function next_step(self, here, h, cosine)
+      class(orbit_tracer_type), intent(in) :: self
+      !> The latest orbit.
+      type(orbit_type), intent(in) :: here
+      !> Length of the step to it [units_type]; cosine of the angle between the tangents at its ends [1].
+      real(dp), intent(in) :: h, cosine
+      real(dp) :: factor, size
+      integer :: i
+
+      size = self%corrector%units%size_of(self%system%displacements, here%states)
+      i = merge(2, 1, h < unseen*size)
+      factor = min(angle_aim(i)/max(acos(max(-1.0_dp, min(1.0_dp, cosine))), 1e-8_dp), &
+                   correction_aim(i)/max(here%correction, 1e-8_dp))
+      next_step = min(h*max(least_factor, min(largest_factor, factor)), &
+                      self%step*max(1.0_dp, size/large))
+   end function next_step
 
    !> Whether a step passes the orbit at which the branch began.
    logical function passes(corrector, here, began, h)

@@ -3,6 +3,7 @@ module geartrain_exact_orbit_corrector
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_repetition, only: take_one
    use geartrain_base_kinds, only: dp
+   use geartrain_exact_chord, only: tangents_meet
    use geartrain_exact_orbit_depth, only: depth_of
    use geartrain_trace_stages, only: depth_of_stage, no_stage
    use geartrain_network_divide_orders, only: divide_orders
@@ -19,12 +20,10 @@ module geartrain_exact_orbit_corrector
    private
    public :: orbit_type, orbit_corrector_type, orbit_test_type, resolution, short
 
-   !> Cosine of the largest angle between the tangents at the ends of a step [1]; and of a short step, which may pass a corner of a
-   !> branch with dry friction, and how long that step may be [units_type].
-   real(dp), parameter :: least_cosine = 0.8_dp, cosine_at_corner = 0.02_dp, short = 1e-3_dp
-   !> Distance of the end of a step from the tangent at its beginning, over the length of the step, at most: a circular arc that
-   !> turns by `least_cosine` has 0.33; and at a corner [1].
-   real(dp), parameter :: aside = 0.4_dp, aside_at_corner = 4
+   !> Least cosine of the angle between the tangents at the ends of a step [1], and where there may be a corner; length of a step in
+   !> which another branch may cross [units_type]; largest distance of an orbit from its guess over the length of the step, where
+   !> there may be a corner [1].
+   real(dp), parameter :: least_cosine = 0.8_dp, cosine_at_corner = 0.02_dp, short = 1e-3_dp, farthest_aside = 4
    !> Orbits closer than this in the metric are equal: about ten times the error of shooting [units_type].
    real(dp), parameter :: resolution = 1e-10_dp
    integer, parameter :: max_steps = 60
@@ -52,6 +51,8 @@ module geartrain_exact_orbit_corrector
       integer :: kept = 0
       !> Last step of Newton's method, relative [1].
       real(dp) :: accuracy = 0
+      !> Distance from the guess of the step that led there, over the length of the step [1].
+      real(dp) :: correction = 0
       !> Distance of the displacement of the watched mesh from the contact that is watched, negative with this contact [1].
       real(dp) :: depth = 0
    end type orbit_type
@@ -241,20 +242,25 @@ contains
    end subroutine solve_at
 
    !> Shooting in the hyperplane through `orbit` normal to its tangent.
-   subroutine correct(self, orbit, success)
+   subroutine correct(self, orbit, success, farthest)
       class(orbit_corrector_type), intent(inout) :: self
       !> A guess with tangent; then the orbit with its multipliers, and its tangent in the direction of the former tangent.
       type(orbit_type), intent(inout) :: orbit
       !> Newton's method has converged.
       logical, intent(out) :: success
+      !> Distance from the guess beyond which Newton's method ends [units_type]; default: none.
+      real(dp), intent(in), optional :: farthest
       real(dp) :: tangent(size(orbit%states, 1), size(orbit%states, 2)), tangent_frequency, length
       real(dp) :: smallest, largest
+      real(dp), allocatable :: metric(:, :)
       integer :: i
       logical :: moved
 
+      if (present(farthest)) metric = self%weight
       do i = 1, most_centred
          call find_orbit_in_sections(self%moving, orbit%frequency_ratio, orbit%states, orbit%accuracy, success, &
-            self%weight*orbit%tangent, orbit%tangent_frequency/self%units%frequency_ratio**2, tangent, tangent_frequency)
+            self%weight*orbit%tangent, orbit%tangent_frequency/self%units%frequency_ratio**2, tangent, tangent_frequency, &
+            metric, farthest)
          if (.not. success) return
          if (.not. self%corners) exit
          call centre_twists(self%system, self%moving, orbit%frequency_ratio, self%units%length, orbit%states, moved)
@@ -304,23 +310,25 @@ contains
       real(dp), intent(in) :: h
       !> The next orbit, with tangent and multipliers; no orbit unless `success`.
       type(orbit_type), intent(inout) :: to
-      !> Shooting has converged, and the tangent turns by less than `least_cosine`: else it may be another branch.
+      !> Shooting has converged, and the tangent turns by less than `least_cosine`, or, where there may be a corner, meets the
+      !> tangent at the beginning: else it may be another branch.
       logical, intent(out) :: success
-      logical :: at_corner
+      real(dp), allocatable :: farthest
 
       to = from
       to%states = from%states + h*from%tangent
       to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
       ! Near Lambda = 0 the period is too long to be integrated.
       success = to%frequency_ratio > slowest*from%frequency_ratio .and. self%moving%reaches(to%frequency_ratio)
-      if (success) call self%correct(to, success)
-      if (.not. success) return
-      at_corner = self%corners .and. abs(h) < short
-      success = self%cosine(from, to) > merge(cosine_at_corner, least_cosine, at_corner)
-      if (.not. (self%corners .and. success)) return
-      ! The states that the tangent leaves as they are may be twists that are moved to their middle.
-      associate (off => merge(0.0_dp, to%states - from%states - h*from%tangent, abs(from%tangent) <= 0))
-         success = sqrt(sum(self%weight*off**2)) < abs(h)*merge(aside_at_corner, aside, at_corner)
+      if (self%corners) farthest = farthest_aside*abs(h)
+      if (success) call self%correct(to, success, farthest)
+      if (success) success = self%cosine(from, to) > merge(cosine_at_corner, least_cosine, self%corners)
+      if (.not. (success .and. self%corners)) return
+      associate (chord => to%states - from%states, moves => abs(from%tangent) > 0, way => to%frequency_ratio - from%frequency_ratio)
+         ! The states that the tangent leaves as they are may be twists that are moved to their middle.
+         to%correction = sqrt(sum(self%weight*(chord - h*from%tangent)**2, moves))/abs(h)
+         success = tangents_meet(merge(self%weight, 0.0_dp, moves .and. abs(to%tangent) > 0), self%units%frequency_ratio, &
+            chord, way, from%tangent, from%tangent_frequency, to%tangent, to%tangent_frequency)
       end associate
    end subroutine advance
 

@@ -70,7 +70,7 @@ contains
    !> Newton's method from a guess to an orbit, at constant Lambda without `row`; with `row`, states and Lambda change so that the
    !> product of the row with their change is 0.
    subroutine find_orbit_in_sections(sections, frequency_ratio, states, length, found, row, row_frequency, tangent, &
-                                     tangent_frequency)
+                                     tangent_frequency, weight, farthest_off)
       !> Set up for the period of the orbit.
       type(sections_type), intent(inout) :: sections
       !> Lambda [1] and states at the beginnings of the sections [1], (state, section): a guess, then the orbit.
@@ -83,6 +83,10 @@ contains
       real(dp), intent(in), optional :: row(:, :), row_frequency
       !> With a row: tangent of the branch, states (state, section) and Lambda, whose product with the row is 1.
       real(dp), intent(out), optional :: tangent(:, :), tangent_frequency
+      !> Metric of the states, (state, section), and distance from the guess in it beyond which Newton's method ends without an
+      !> orbit; both or none.
+      real(dp), intent(in), optional :: weight(:, :), farthest_off
+      real(dp), allocatable :: guess(:, :)
       real(dp) :: first(size(states, 1) + 1, 2), step(size(states, 1), 1), begun, before, scale, gap
       real(dp), allocatable :: matrix(:, :)
       integer :: pivot(size(states, 1) + 1), i, k, n, m, info
@@ -96,6 +100,7 @@ contains
       length = huge(1.0_dp)
       before = huge(1.0_dp)
       begun = frequency_ratio
+      if (present(weight)) guess = states
       do i = 1, max_iterations
          call sections%fly(frequency_ratio, states)
          if (sections%interrupted() .or. sections%is_lost()) return
@@ -132,6 +137,9 @@ contains
          end do
          length = max(length, abs(first(n + 1, 1))/frequency_ratio)
          if (.not. length < 10) return
+         if (present(weight)) then
+            if (sum(weight*(states - guess)**2) > farthest_off**2) return
+         end if
          ! From a poor guess Newton's method may go anywhere, and a flight at Lambda near 0 would take very long.
          frequency_ratio = frequency_ratio + first(n + 1, 1)
          if (abs(frequency_ratio - begun) > farthest*begun .or. .not. sections%reaches(frequency_ratio)) return
