@@ -71,3 +71,16 @@ def test_turned_flats():
     assert other.rms[0] == pytest.approx(one.rms[0], rel=1e-9)
     turn = np.sqrt(0.5) * np.array([[1.0, 1.0], [-1.0, 1.0]])
     assert other.bearing_force_mean == pytest.approx(one.bearing_force_mean @ turn, rel=1e-9)
+
+
+@pytest.mark.full
+def test_basins_of_flats():
+    """Each start reaches the motion that time integration from rest does; a spring of the ring follows from the others."""
+    train = pair(half_backlash=2e-5, stiffness_cos=[0.25], pinion={**ROUND, "flats": 8})
+    basins = train.basins(0.6, mesh=1, points=(2, 2))
+    assert basins.complete and not basins.unsettled and not basins.unbounded
+    motion = train.integrate(frequency=0.6)
+    for found in basins.motions:
+        assert found.rms == pytest.approx(motion.rms, rel=1e-6)
+    with pytest.raises(gt.InputError, match="this one closes a loop"):
+        train.basins(0.6, mesh=6, points=(2, 2))
