@@ -4,9 +4,9 @@ from dataclasses import replace
 from itertools import product
 
 import numpy as np
+from coupling_model import LENGTH, RATE, middle_of, random_coupling
 from scipy.linalg import expm
 from scipy.optimize import brentq
-from test_couplings import LENGTH, RATE, middle_of, random_coupling
 
 import geartrain as gt
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from coupling_model import LENGTH, PER_TWIST, RATE, rotor
 from friction_model import Events, random_train
 from scipy.optimize import fsolve
-from test_couplings import LENGTH, PER_TWIST, RATE, rotor
 
 import geartrain as gt
 from geartrain.results.motion import from_state
