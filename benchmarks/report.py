@@ -56,12 +56,11 @@ def locus_section(found):
     header = ("train", "tool", "points", "to both ends", "processor time", "a point", "error of Lambda, median", "largest")
     return f"""## The curve of a fold
 
-A fold is followed over Lambda and the stiffness variation, from 0.05 to 0.5, through its cusp. One is a fold of figure 3 at the
-resonance 1.55, the other a fold of one gear pair (`namelists/single_pair.nml`). `train.locus` and AUTO-07p with `ISW = 2`
-compute the curve. `python benchmarks/locus.py` measures it alone. Times are processor times of the curve alone. The error is
-the distance in Lambda from `special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact
-backlash the derivatives of AUTO's collocation jump where a collocation point passes a corner. Its corners are therefore rounded
-over a width of p, in units of half the backlash. The motion is then the motion of another train.
+A fold is followed over Lambda and the stiffness variation, from 0.05 to 0.5, through its cusp, by `train.locus` and AUTO-07p with
+`ISW = 2`: a fold of figure 3 at the resonance 1.55, and one of one gear pair (`namelists/single_pair.nml`). The error is the
+distance in Lambda from `special.exact()` of the train with that stiffness variation, at 12 points of each curve. With exact
+backlash the derivatives of AUTO's collocation jump at corners, which are therefore rounded over a width of p, in units of half the
+backlash.
 
 {table(header, locus_rows(found["rows"]))}"""
 
@@ -78,7 +77,7 @@ def curve_rows(rows):
     for row in rows:
         errors = row["errors"]
         yield (
-            row["label"], row["points"], spread(row["process"]), spread(row["curve"]) if row["curve"] else "",
+            row["label"], row["points"], spread(row["process"]), duration(row["curve"]) if row["curve"] else "",
             duration([value / row["points"] for value in row["curve"] or row["process"]]), "yes" if row["stability"] else "no",
             f"{errors['median']:.0e}", f"{errors['largest']:.0e} at {errors['largest_at']:.3f}",
         )  # fmt: skip
@@ -102,18 +101,17 @@ stable and unstable: rms agrees to {found["check"]["rms"]:.0e} (relative), and a
     return f"""## Figure 3 beside other tools
 
 Each tool computes the whole curve, Lambda 0.2 to 2.6, through its 8 folds, in one run: {", ".join(tools)}.
-*Process* is the time from the start of a process to its end. For geartrain the process is the executable with multipliers at every
-point, from the case file to the closed HDF5 file. *Call* is the time of the same curve in a process that has run one before. The
-error is the relative error of rms against shooting at the same Lambda, for the worse of the two meshes. It is taken at up to 100
-points of each tool. Points nearer than 0.01 to a fold are left out.
+*Process* is the time of a process, for geartrain of the executable with multipliers at every point, from the case file to the
+closed HDF5 file; *call* that of the same curve in a process that has run one before. The error is the relative error of rms against
+shooting at the same Lambda, for the worse mesh, at up to 100 points of each tool farther than 0.01 from a fold.
 
 {table(("tool", "points", "process", "call", "a point", "stability", "error, median", "largest, at Lambda"), curve_rows(rows))}
 {check}
 
 {partial}
 pyHarm, jaxcont and SciPy compute no stability. Most of jaxcont's process is import and compilation; *call* is its second curve.
-The authors of geartrain wrote the train for these tools (`benchmarks/peers/`), with all five elements and 5 (1 + 2R) unknowns. The
-largest errors occur where the curve is nearly vertical: there a small error in Lambda is a large error in rms.
+The authors of geartrain wrote the train for these tools (`benchmarks/peers/`), with 5 (1 + 2R) unknowns. The largest errors occur
+where the curve is nearly vertical.
 {skipped}
 The paper and the tools use R = 6. At its few worst points geartrain at R = 6 is no more exact than the tools, and SciPy's sweep is
 more exact everywhere.
@@ -152,9 +150,8 @@ def accuracy_section(found):
     ]  # fmt: skip
     return f"""## Error against time of a point
 
-The error in this section is the error of the waveform: the largest deviation of any mesh at any instant from shooting, over the
-largest alternating displacement. Time is the time of one point of a branch without multipliers. For integration it is the time to
-settle from the steady motion of a neighbouring frequency.
+The error of the waveform is the largest deviation of any mesh at any instant from shooting, over the largest alternating
+displacement. Time is that of a point of a branch without multipliers, for integration of settling from a neighbouring frequency.
 
 ![Error of the waveform over time of a point, five cases](speed/accuracy.png)
 
@@ -176,34 +173,30 @@ def size_rows(rows, *shape):
 
 def scale_section(found):
     memory = {row["size"]: f"{row['memory'][0] / 2**20:.1f} MiB" for row in found["memory"]}
-    shafts = [(*row, memory.get(row[0], "")) for row in size_rows(found["shafts"])]
+    shafts = [(*row, memory.get(row[0], "")) for row in size_rows(found["shafts"][::2])]
     # What was measured before there were trees has none.
     trees = tree_rows(found.get("trees", {"chain": []}))
     missing = " *Not measured*: the size before took too long." if "not measured" in str(shafts) else ""
     return f"""## Size
 
-The table has the time of a point at R = 6 for chains of figure 3's gear pairs, with tooth separation at the first of them. It is
-the share of a point in a call of at most {found["points"]} points. In small trains most of this time is the call. The time with
-multipliers includes the location of changes of stability, which are frequent in long chains. Memory is the peak of the executable
-with its libraries.{missing}
+The table has the time of a point at R = 6 for chains of figure 3's gear pairs, with tooth separation at the first of them, in a
+call of at most {found["points"]} points. Memory is the peak of the executable with its libraries.{missing}
 
 {table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
-Trees and chains of the same number of equal pairs, with equal loads, without separation and always stable:
+Trees and chains of equal pairs without separation:
 
 {table(("meshes", "shape", "a point, without multipliers", "with"), trees)}
 Figure 3's train with more harmonics:
 
-{table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"]))}
+{table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"][::2]))}
 ![Time of a point and memory over size](speed/scale.png)
 """
 
 
 def tree_rows(trees):
-    """Times of a point of each shape, of a small and of the largest size."""
+    """Times of a point of each shape, of the largest size."""
     sizes = sorted({row["size"] for rows in trees.values() for row in rows})
-    shown = (sizes[0], sizes[-1])
-    return [row for rows in zip(*(size_rows([row for row in rows if row["size"] in shown], shape) for shape, rows in trees.items()),
-                                strict=True) for row in rows]
+    return [row for shape, rows in trees.items() for row in size_rows(rows, shape) if row[0] == sizes[-1]]
 
 
 def cores_section(found):
@@ -229,8 +222,8 @@ def study_section(found):
     return f"""## Studies
 
 {found["points"]} responses of figure 3's train, with each value of its meshes within 10 % ([studies.md](studies.md)), on
-{found["workers"]} processes. Each engine runs in its own process. Overhead is the processor time of all processes above that of
-a plain loop. Efficiency is the time of the plain loop over the product of processes and wall time.
+{found["workers"]} processes. Overhead is the processor time of all processes above that of a plain loop.
+Efficiency is the time of the plain loop over the product of processes and wall time.
 
 {table(("engine", "wall time", "processor time", "overhead", "efficiency", "client's memory"), rows)}
 {found["read"]} points are read back in {found["seconds"]:.1f} s, a Dataset of {found["size"]:.0f} MB."""
