@@ -37,7 +37,6 @@ module geartrain_analyses_analysis
       procedure(visit_variables_interface), deferred :: visit_variables
       procedure :: check
       procedure :: check_alone
-      procedure :: give_example
       procedure(run_interface), deferred :: run
       procedure(tell_end_interface), deferred :: tell_end
       procedure(visit_fields_interface), deferred :: visit_fields
@@ -85,7 +84,6 @@ module geartrain_analyses_analysis
          class(analysis_type), intent(inout) :: self
          !> The train that the result is of.
          type(train_type), intent(in) :: train
-         !> The fields of the results.
          class(fields_type), intent(inout) :: fields
          !> Whether the figures that follow from the result (of a branch: peaks, jumps, ...) are visited as well.
          logical, intent(in) :: summary
@@ -98,7 +96,6 @@ module geartrain_analyses_analysis
          class(analysis_type), intent(in) :: self
          !> The train of the case.
          type(train_type), intent(in) :: train
-         !> The report.
          type(sheet_type), intent(inout) :: sheet
          !> Torques of the shafts over all motions so far.
          type(torque_table_type), intent(inout) :: torques
@@ -110,15 +107,11 @@ contains
    !> Checks the values of the group against one another and against the train. Default: nothing to check.
    subroutine check(self, train, seeded, checker)
       class(analysis_type), intent(in) :: self
-      !> The train.
       type(train_type), intent(in) :: train
       !> Whether the analysis may start from a given motion.
       logical, intent(in) :: seeded
       !> Collects the problems; nothing is checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
-
-      associate (unused_self => self, unused_train => train, unused_seeded => seeded, unused_checker => checker)
-      end associate
    end subroutine check
 
    !> Checks the train, then the values of the group; the error tells every problem, one a line.
@@ -135,14 +128,6 @@ contains
       call self%check(train, .false., checker)
       call checker%problems%raise('', error)
    end subroutine check_alone
-
-   !> Sets the variables that the template shows for the paper's train. Default: none.
-   subroutine give_example(self)
-      class(analysis_type), intent(inout) :: self
-
-      associate (unused => self)
-      end associate
-   end subroutine give_example
 
    !> Name of an analysis for observers and messages, 'stability map'.
    pure function spoken(name) result(words)

@@ -92,7 +92,6 @@ module geartrain_analyses_attractors
    contains
       procedure :: visit_variables
       procedure :: check
-      procedure :: give_example
       procedure :: run
       procedure :: tell_end
       procedure :: visit_fields
@@ -161,12 +160,6 @@ contains
          call checker%leave()
       end associate
    end subroutine check
-
-   subroutine give_example(self)
-      class(attractors_analysis_type), intent(inout) :: self
-
-      self%settings%frequency = 0.6_dp
-   end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
       class(attractors_analysis_type), intent(inout) :: self

@@ -94,16 +94,16 @@ contains
                             most=most_points), &
                         settings%displacement_points)
       call v%on_real(row('velocity_from', '', 'velocity at one end of the grid over characteristic_length times &
-                         &characteristic_frequency; where both ends are 0, the range is plus and minus three times the static &
-                           &displacement times the natural frequency of the mesh alone'), settings%velocity_start)
+                         &characteristic_frequency; both ends 0: plus and minus three times the static displacement times the &
+                         &natural frequency of the mesh alone'), settings%velocity_start)
       call v%on_real(row('velocity_to', '', 'velocity at the other end of the grid'), settings%velocity_stop)
       call v%on_integer(row('velocity_points', '', 'starts along the velocity, both ends included', least=one, most=most_points), &
                         settings%velocity_points)
       call v%on_integer(row('starts', '', 'random starts that find the motions first, as in &attractors', least=one, &
                             most=1e6*one), settings%starts)
       call v%on_integer(row('random_seed', '', 'the same seed gives the same random starts'), settings%random_seed)
-      call v%on_integer(row('max_periods', '', 'longest time of a start in periods of the fundamental; a start that is then &
-                            &near no known motion is integrated for up to 64 periods more, until it settles', least=one), &
+      call v%on_integer(row('max_periods', '', 'longest time of a start in periods of the fundamental; near no known &
+                            &motion it then goes on for up to 64 periods', least=one), &
                         settings%max_periods)
       call visit_long_period(settings%long_period, v)
       call v%leave()
@@ -111,7 +111,6 @@ contains
 
    !> Checks values of &basins against one another and against the train.
    subroutine check_basins(train, settings, checker)
-      !> The train.
       type(train_type), intent(in) :: train
       !> The settings.
       type(basins_settings_type), intent(in) :: settings
@@ -203,7 +202,6 @@ contains
    !> Visits the fields, see geartrain_base_fields.
    subroutine visit(self, fields)
       class(basins_type), intent(inout) :: self
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       integer :: n, states
 

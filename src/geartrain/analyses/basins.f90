@@ -60,7 +60,6 @@ module geartrain_analyses_basins
    contains
       procedure :: visit_variables
       procedure :: check
-      procedure :: give_example
       procedure :: run
       procedure :: tell_end
       procedure :: visit_fields
@@ -84,12 +83,6 @@ contains
 
       call check_basins(train, self%settings, checker)
    end subroutine check
-
-   subroutine give_example(self)
-      class(basins_analysis_type), intent(inout) :: self
-
-      self%settings%frequency = 0.7_dp
-   end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
       class(basins_analysis_type), intent(inout) :: self

@@ -81,7 +81,6 @@ module geartrain_analyses_bifurcation_diagram
    contains
       procedure :: visit_variables
       procedure :: check
-      procedure :: give_example
       procedure :: run
       procedure :: tell_end
       procedure :: visit_fields
@@ -138,13 +137,6 @@ contains
          call checker%leave()
       end associate
    end subroutine check
-
-   subroutine give_example(self)
-      class(bifurcation_diagram_analysis_type), intent(inout) :: self
-
-      self%settings%start = 0.2_dp
-      self%settings%stop = 2.6_dp
-   end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
       class(bifurcation_diagram_analysis_type), intent(inout) :: self

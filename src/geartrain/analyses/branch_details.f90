@@ -30,7 +30,6 @@ contains
       type(train_type), intent(in) :: train
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       real(dp), allocatable :: at_fold(:)
       integer, allocatable :: carried(:)

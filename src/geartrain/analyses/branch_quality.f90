@@ -21,7 +21,6 @@ contains
 
    !> Adds the sentences.
    subroutine say_quality(branch, gears, name, settings, ends, whole, told, sheet)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> Number of gear pairs, which come before couplings and bearings.
       integer, intent(in) :: gears
@@ -35,7 +34,6 @@ contains
       logical, intent(in) :: whole
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       type(band_type), allocatable :: between(:)
       character(:), allocatable :: words

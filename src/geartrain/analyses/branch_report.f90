@@ -33,13 +33,11 @@ contains
 
    !> Adds a response to the report.
    subroutine report_branch(branch, settings, train, sheet, torques)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> What the response asks for.
       type(response_settings_type), intent(in) :: settings
       !> The train of the branch.
       type(train_type), intent(in) :: train
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       !> Torques of the shafts over all motions so far.
       type(torque_table_type), intent(inout) :: torques
@@ -69,7 +67,6 @@ contains
       type(response_settings_type), intent(in) :: settings
       !> Their train.
       type(train_type), intent(in) :: train
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       !> Torques of the shafts over all motions so far.
       type(torque_table_type), intent(inout) :: torques

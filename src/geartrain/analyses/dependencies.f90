@@ -27,11 +27,9 @@ contains
 
    !> Checks the groups of a case against one another.
    subroutine check_agreement(case, seeded, checker)
-      !> The case.
       type(case_type), intent(in) :: case
       !> Whether an analysis may start from a given motion.
       logical, intent(in) :: seeded
-      !> Collects the problems.
       class(checker_type), intent(inout) :: checker
 
       if (checker%problems%in_group('response')) return
@@ -84,7 +82,6 @@ contains
 
    !> Leaves out of a case every analysis that no branch comes from.
    subroutine keep_branches(case)
-      !> The case.
       type(case_type), intent(inout) :: case
       type(case_type) :: kept
 
@@ -118,7 +115,6 @@ contains
    subroutine follow_branches(name, case, results, error, observer, known)
       !> Name of the analysis.
       character(*), intent(in) :: name
-      !> The case.
       type(case_type), intent(in) :: case
       !> The results; `branches` becomes longer.
       type(results_type), intent(inout), target :: results
@@ -168,7 +164,6 @@ contains
    !> Refines the response and the further branches if the case asks for refinement. Refinement comes last, because branches are
    !> followed and compared by their harmonic balances.
    subroutine refine_branches(case, results, error, observer, whole)
-      !> The case.
       type(case_type), intent(in) :: case
       !> The results with all branches.
       type(results_type), intent(inout), target :: results
@@ -191,7 +186,6 @@ contains
 
    !> Whether a case asks for refinement of its branches.
    pure logical function asks_refinement(case)
-      !> The case.
       type(case_type), intent(in) :: case
 
       asks_refinement = .false.
@@ -216,7 +210,6 @@ contains
 
    !> Locates the edges of separation and back collision of all branches of a case, to be reported and written.
    subroutine locate_edges(case, results, observer)
-      !> The case.
       type(case_type), intent(in) :: case
       !> The results with all branches.
       type(results_type), intent(inout), target :: results

@@ -80,7 +80,6 @@ contains
       integer, intent(in) :: done
       !> Lambda or parameter of the step.
       real(dp), intent(in) :: value
-      !> The case.
       type(case_type), intent(in) :: case
       !> The results under way.
       type(results_type), intent(in) :: results
@@ -138,7 +137,6 @@ contains
       class(forecast_type), intent(inout) :: self
       !> Time since `begin` [s].
       real(dp), intent(in) :: elapsed
-      !> The case.
       type(case_type), intent(in) :: case
       !> 'integration: about 5 min expected, not 40 s', or ''.
       character(:), allocatable, intent(inout) :: sentence

@@ -59,7 +59,6 @@ module geartrain_analyses_integration
    contains
       procedure :: visit_variables
       procedure :: check
-      procedure :: give_example
       procedure :: run
       procedure :: tell_end
       procedure :: visit_fields
@@ -133,14 +132,6 @@ contains
          call checker%leave()
       end associate
    end subroutine check
-
-   subroutine give_example(self)
-      class(integration_analysis_type), intent(inout) :: self
-
-      self%settings%start = 0.2_dp
-      self%settings%stop = 2.6_dp
-      self%settings%direction = 'both'
-   end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
       class(integration_analysis_type), intent(inout) :: self

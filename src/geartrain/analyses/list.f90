@@ -74,7 +74,6 @@ contains
       type(case_type), target :: case
       !> See `case`.
       type(results_type), target :: results
-      !> The analysis.
       class(analysis_type), allocatable, intent(out) :: analysis
       !> .true.: the case asks for the analysis from here on, with defaults if it did not; the results have the analysis from here
       !> on, empty if they did not.

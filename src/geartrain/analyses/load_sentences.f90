@@ -45,7 +45,6 @@ contains
 
    !> What hits where the load is on the other side: 'its coast flanks hit', of a bearing 'its unloaded side hits'.
    pure function unloaded_side(mesh, side) result(words)
-      !> The mesh.
       type(mesh_type), intent(in) :: mesh
       !> Flank that bears its load, as `load_sides` gives it.
       integer, intent(in) :: side

@@ -60,7 +60,6 @@ module geartrain_analyses_locus
    contains
       procedure :: visit_variables
       procedure :: check
-      procedure :: give_example
       procedure :: run
       procedure :: tell_end
       procedure :: visit_fields
@@ -150,15 +149,6 @@ contains
       end subroutine check_path
 
    end subroutine check
-
-   subroutine give_example(self)
-      class(locus_analysis_type), intent(inout) :: self
-
-      self%settings%near = 0.46_dp
-      self%settings%parameter = 'stiffness_variation'
-      self%settings%start = 0.1_dp
-      self%settings%stop = 0.5_dp
-   end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
       class(locus_analysis_type), intent(inout) :: self

@@ -58,7 +58,6 @@ contains
       class(map_trains_type), intent(in) :: self
       !> Value [unit of the parameter].
       real(dp), intent(in) :: value
-      !> The train.
       type(train_type), intent(out) :: train
       type(train_type) :: given
 

@@ -33,7 +33,6 @@ contains
       character(*), intent(in) :: names(:)
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       type(text_type) :: sentence(size(load, 1))
       character(:), allocatable :: words, meshes

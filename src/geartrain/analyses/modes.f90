@@ -39,8 +39,6 @@ contains
       class(modes_analysis_type), intent(inout) :: self
       class(visitor_type), intent(inout) :: v
 
-      associate (unused => self)
-      end associate
       call v%enter('modes', 1)
       call v%leave()
    end subroutine visit_variables
@@ -124,8 +122,6 @@ contains
       type(sheet_type), intent(inout) :: sheet
       type(torque_table_type), intent(inout) :: torques
 
-      associate (unused => torques)
-      end associate
       call put_modes(self%result, train, sheet)
    end subroutine report
 

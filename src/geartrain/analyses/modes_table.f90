@@ -23,11 +23,9 @@ contains
 
    !> Adds the table of modes.
    subroutine put_modes(modes, train, sheet)
-      !> The modes.
       type(modes_type), intent(in) :: modes
       !> The train as given.
       type(train_type), intent(in) :: train
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       type(train_type) :: plain
       type(frequency_text_type) :: told

@@ -23,7 +23,6 @@ contains
       type(train_type), intent(in) :: train
       !> Motions at one Lambda.
       type(motion_type), intent(in) :: motions(:)
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       integer :: orbit(size(motions))
 
@@ -45,7 +44,6 @@ contains
       type(train_type), intent(in) :: train
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       type(train_type) :: plain
       type(sharing_type) :: sharing

@@ -7,7 +7,6 @@ module geartrain_analyses_response
    use geartrain_base_checker, only: checker_type
    use geartrain_base_error, only: error_type
    use geartrain_base_fields, only: fields_type, listing, reading
-   use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: visitor_type
    use geartrain_trace_branch, only: branch_type, response_settings_type
@@ -34,7 +33,6 @@ module geartrain_analyses_response
    contains
       procedure :: visit_variables
       procedure :: check
-      procedure :: give_example
       procedure :: run
       procedure :: tell_end
       procedure :: visit_fields
@@ -58,13 +56,6 @@ contains
 
       call check_response_consistency(train, self%settings, seeded, checker)
    end subroutine check
-
-   subroutine give_example(self)
-      class(response_analysis_type), intent(inout) :: self
-
-      self%settings%start = 0.2_dp
-      self%settings%stop = 2.6_dp
-   end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
       class(response_analysis_type), intent(inout) :: self
@@ -115,7 +106,6 @@ contains
       character(*), intent(in) :: home
       !> The train of the branch.
       type(train_type), intent(in) :: train
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> Whether the figures (peaks, jumps, ...) are computed and visited as well.
       logical, intent(in) :: summary

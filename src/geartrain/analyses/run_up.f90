@@ -63,7 +63,6 @@ module geartrain_analyses_run_up
    contains
       procedure :: visit_variables
       procedure :: check
-      procedure :: give_example
       procedure :: run
       procedure :: tell_end
       procedure :: visit_fields
@@ -89,10 +88,8 @@ contains
       call v%on_integer(row('samples', '', 'samples per period of the fundamental at the higher frequency; 0: at least 32 per &
                             &cycle of the fastest mesh', &
                             least=one, most=most_samples*one, automatic=zero), settings%samples)
-      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental, at most 1000 &
-                            &cycles of the slowest mesh where the common period is long; 0: start at rest, or from the motion &
-                            &given in a call', &
-                            least=zero), settings%max_periods)
+      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental; 0: start at &
+                            &rest, or from the motion given in a call', least=zero), settings%max_periods)
       call v%leave()
    end subroutine visit_variables
 
@@ -135,14 +132,6 @@ contains
          call checker%leave()
       end associate
    end subroutine check
-
-   subroutine give_example(self)
-      class(run_up_analysis_type), intent(inout) :: self
-
-      self%settings%start = 0.2_dp
-      self%settings%stop = 2.6_dp
-      self%settings%duration = 2
-   end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
       class(run_up_analysis_type), intent(inout) :: self

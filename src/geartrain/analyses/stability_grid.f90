@@ -113,9 +113,8 @@ contains
       call v%on_integer(row('points', '', 'frequencies in the range, both ends included', least=one, most=most_points), &
                         settings%points)
       word = trim(settings%parameter)
-      call v%on_text(row('parameter', '', "number of the train that varies from row to row, such as 'motor torque', 'shaft 2 &
-                         &stiffness', 'stiffness_variation' (largest amplitude of any harmonic of kappa, all scaled alike); &
-                         &mesh_damping_ratio and half_backlash: of every mesh, in place of what a drawing gives"), word)
+      call v%on_text(row('parameter', '', "number of the train that varies from row to row, as in &response; &
+                         &mesh_damping_ratio and half_backlash: of every mesh"), word)
       if (allocated(word)) settings%parameter = word
       call v%on_real(row('parameter_from', '', 'one end of the range of the parameter', &
                          required=.true.), settings%parameter_start)
@@ -136,7 +135,6 @@ contains
 
    !> Checks values of &stability_map against one another and against the train.
    subroutine check_consistency(train, settings, checker)
-      !> The train.
       type(train_type), intent(in) :: train
       !> The settings.
       type(stability_map_settings_type), intent(in) :: settings
@@ -236,7 +234,6 @@ contains
       type(stability_map_type), intent(inout) :: map
       !> Settings that a map read must agree with; not associated: any map is accepted.
       type(stability_map_settings_type), pointer, intent(in) :: settings
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(stability_map_type) :: rows_done
 

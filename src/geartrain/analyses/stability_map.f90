@@ -47,7 +47,6 @@ module geartrain_analyses_stability_map
    contains
       procedure :: visit_variables
       procedure :: check
-      procedure :: give_example
       procedure :: run
       procedure :: tell_end
       procedure :: visit_fields
@@ -71,14 +70,6 @@ contains
 
       call check_consistency(train, self%settings, checker)
    end subroutine check
-
-   subroutine give_example(self)
-      class(stability_map_analysis_type), intent(inout) :: self
-
-      self%settings%start = 0.2_dp
-      self%settings%stop = 4.2_dp
-      self%settings%parameter_stop = 0.5_dp
-   end subroutine give_example
 
    subroutine run(self, train, error, observer, start)
       class(stability_map_analysis_type), intent(inout) :: self

@@ -22,7 +22,6 @@ contains
 
    !> Makes it an error if there is no memory for the figures of a motion.
    subroutine need_to_find(system, settings, error)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Of which window and harmonics are used.
       type(integration_settings_type), intent(in) :: settings
@@ -45,7 +44,6 @@ contains
 
    !> Integrates until it is known which motion the flow settles on.
    subroutine find_steady(system, frequency_ratio, settings, state, motion, observer, stopped)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -88,7 +86,6 @@ contains
 
    !> Whether a motion to start from has a state or coefficients of the right size.
    subroutine check_start(system, start, error)
-      !> The train.
       type(system_type), intent(in) :: system
       !> The motion.
       type(motion_type), intent(in) :: start

@@ -34,7 +34,6 @@ contains
       type(integration_settings_type), intent(in) :: settings
       !> The train as given.
       type(train_type), intent(in) :: train
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       !> Torques of the shafts over all motions so far.
       type(torque_table_type), intent(inout) :: torques

@@ -80,7 +80,6 @@ contains
       class(torque_table_type), intent(in) :: self
       !> The train as given.
       type(train_type), intent(in) :: train
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       character(name_length), allocatable :: names(:)
       logical :: shown(size(self%known))
@@ -118,7 +117,6 @@ contains
       logical, intent(in) :: counts(:), connected(:)
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       character(name_length) :: names(size(train%shafts))
       type(band_type), allocatable :: ranges(:)

@@ -22,7 +22,6 @@ contains
       type(train_type), intent(in) :: train
       !> The motions.
       type(motion_type), intent(in) :: motions(:)
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       logical :: windowed(size(motions)), rattles(size(train%meshes))
       character(:), allocatable :: words

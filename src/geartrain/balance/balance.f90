@@ -48,7 +48,6 @@ contains
    !> Prepares the balance; samples = 0: exact coefficients.
    subroutine setup(self, system, highest, eta, samples, chosen, repeats)
       class(balance_type), intent(inout) :: self
-      !> Dimensionless system of the train.
       type(system_type), pointer, intent(in) :: system
       !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
       integer, intent(in) :: highest, eta, samples
@@ -125,7 +124,6 @@ contains
    !> Goes on with another train of the same unknowns.
    subroutine take(self, system)
       class(balance_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       integer :: i
 

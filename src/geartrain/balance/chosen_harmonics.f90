@@ -13,7 +13,6 @@ contains
 
    !> Harmonics of Lambda/subharmonic to begin with.
    pure integer function first_harmonics(system, subharmonic, repeats)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Sub-harmonic index, period over period of the fundamental; how often the motions go through their waveform within it.
       integer, intent(in) :: subharmonic, repeats
@@ -23,7 +22,6 @@ contains
 
    !> Fewest harmonics of Lambda/subharmonic.
    pure integer function fewest_harmonics(system, subharmonic, repeats)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Sub-harmonic index, period over period of the fundamental; how often the motions go through their waveform within it.
       integer, intent(in) :: subharmonic, repeats
@@ -33,7 +31,6 @@ contains
 
    !> Most harmonics of Lambda/subharmonic.
    pure integer function most_harmonics(system, subharmonic, repeats)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Sub-harmonic index, period over period of the fundamental; how often the motions go through their waveform within it.
       integer, intent(in) :: subharmonic, repeats

@@ -165,7 +165,6 @@ contains
    !> is not determined.
    pure logical function is_told(self, balance, item)
       class(figures_type), intent(in) :: self
-      !> The balance.
       type(balance_type), intent(in) :: balance
       !> Number of the mesh or shaft.
       integer, intent(in) :: item

@@ -65,7 +65,6 @@ contains
    !> Finds which equal branches move equally, at once or half a period later.
    subroutine find(self, system, sets, u, tangent)
       class(fixed_space_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Its equal branches.
       type(equal_branches_type), intent(in) :: sets(:)

@@ -21,7 +21,6 @@ contains
 
    !> Whether balances of a train carry sets of harmonics where the program chooses their number.
    pure logical function has_sparse_motions(system, subharmonic, repeats)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Sub-harmonic index, period over mesh period; how often the motions go through their waveform within it.
       integer, intent(in) :: subharmonic, repeats
@@ -32,7 +31,6 @@ contains
 
    !> Harmonics to begin with, ascending: the excitation, and sums and differences of two of its harmonics.
    pure function first_set(system) result(harmonic)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       integer, allocatable :: harmonic(:)
       integer, allocatable :: excited(:)
@@ -117,7 +115,6 @@ contains
 
    !> Adds the sources of excitation, because a linear mesh moves at the carried harmonics only.
    pure subroutine carry_sources(system, carried)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Which harmonics are carried, (harmonic).
       logical, intent(inout) :: carried(:)

@@ -117,7 +117,6 @@ contains
    !> Whether the flow is written for a train: no loops, no damping to ground, no damping that changes with the contact, few
    !> elements.
    pure logical function suits(system)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
 
       suits = system%elements <= most_elements .and. system%coordinates == system%elements .and. &

@@ -65,7 +65,6 @@ contains
    !> Chooses the carried harmonics and prepares work space and plans for `find_forces`.
    subroutine setup(self, system, highest, eta, samples, chosen, repeats)
       class(mesh_forces_type), intent(inout) :: self
-      !> Dimensionless system of the train.
       type(system_type), pointer, intent(in) :: system
       !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
       integer, intent(in) :: highest, eta, samples

@@ -38,7 +38,6 @@ contains
    !> Makes the work space; does nothing where eta and samples are equal to those of the last call.
    subroutine setup(self, system, eta, transform)
       class(force_reader_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Period of the motions [periods of the fundamental].
       integer, intent(in) :: eta
@@ -69,7 +68,6 @@ contains
    !> The harmonic whose `fine_samples` show the extremes of the displacement of a mesh and of its force: of hunting teeth much
    !> lower than the highest.
    pure integer function load_resolution(law, eta, frequency_ratio, u, harmonic, force)
-      !> Force law of the mesh.
       type(law_type), intent(in) :: law
       !> Period of the motion [periods of the fundamental].
       integer, intent(in) :: eta
@@ -103,7 +101,6 @@ contains
 
    !> Sets the largest force and the dynamic factor of a mesh.
    pure subroutine put_force(system, static_force, mesh, largest, largest_reversed, load)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Force of each element at rest at the speed of the motion, over k b_c [1], (element).
       real(dp), intent(in) :: static_force(:)
@@ -127,7 +124,6 @@ contains
    !> Finds the largest force of one mesh.
    subroutine read_force(self, system, mesh, frequency_ratio, u, harmonic, transform, load, contact)
       class(force_reader_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Number of the mesh.
       integer, intent(in) :: mesh

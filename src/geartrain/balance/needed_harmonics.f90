@@ -16,7 +16,6 @@ contains
    !> Harmonics of Lambda to carry, ascending: sums and differences of up to `sums` excited harmonics, `sums` being the number of
    !> harmonics up to `highest` of the mesh stiffness of highest order.
    pure function needed_harmonics(system, highest) result(harmonic)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Highest harmonic to carry.
       integer, intent(in) :: highest

@@ -22,7 +22,6 @@ contains
    !> How often motions go through their waveform within the period of the fundamental: the greatest common divisor of the harmonics
    !> that they have and that the train excites.
    pure integer function repetitions_in(system, harmonic, coefficients) result(times)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Harmonics of Lambda of the coefficients, (harmonic).
       integer, intent(in) :: harmonic(:)
@@ -46,7 +45,6 @@ contains
    !> How often a motion goes through its waveform within its period; 1 where `motion` has no coefficients, or a period of several
    !> periods of the fundamental.
    pure integer function repetitions_of(system, motion) result(times)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       !> Motion with its coefficients and period.
       type(motion_type), intent(in) :: motion

@@ -267,7 +267,6 @@ contains
 
    !> Carries a text of any length.
    subroutine carry_text(fields, about, value, none)
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> The row of the table.
       type(field_type), intent(in) :: about
@@ -293,7 +292,6 @@ contains
 
    !> Carries a sentence as its text and, where it states frequencies, the field NAME_places.
    subroutine carry_words(fields, about, value, none)
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> The row of the table for the text.
       type(field_type), intent(in) :: about

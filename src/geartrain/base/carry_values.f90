@@ -12,7 +12,6 @@ contains
 
    !> Real numbers.
    subroutine carry_reals(fields, about, extents, given, values, changed)
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> The row of the table.
       type(field_type), intent(in) :: about
@@ -122,7 +121,6 @@ contains
 
    !> Whole numbers, or logical values.
    subroutine carry_integers(fields, about, kind, extents, values, changed)
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> The row of the table.
       type(field_type), intent(in) :: about
@@ -162,7 +160,6 @@ contains
 
    !> Texts, which are not arranged.
    subroutine carry_texts(fields, about, extents, values, changed)
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> The row of the table.
       type(field_type), intent(in) :: about

@@ -35,7 +35,6 @@ contains
 
    subroutine check_real(self, variable, value, in_force)
       class(checker_type), intent(inout) :: self
-      !> Row of the table.
       type(variable_type), intent(in) :: variable
       !> Value of the variable [variable%unit].
       real(dp), intent(inout) :: value
@@ -51,7 +50,6 @@ contains
 
    subroutine check_integer(self, variable, value)
       class(checker_type), intent(inout) :: self
-      !> Row of the table.
       type(variable_type), intent(in) :: variable
       !> Value of the variable.
       integer, intent(inout) :: value
@@ -63,18 +61,13 @@ contains
    !> Finds nothing: both values are allowed.
    subroutine check_logical(self, variable, value)
       class(checker_type), intent(inout) :: self
-      !> Row of the table.
       type(variable_type), intent(in) :: variable
       !> Value of the variable.
       logical, intent(inout) :: value
-
-      associate (unused_self => self, unused_variable => variable, unused_value => value)
-      end associate
    end subroutine check_logical
 
    subroutine check_text(self, variable, value)
       class(checker_type), intent(inout) :: self
-      !> Row of the table.
       type(variable_type), intent(in) :: variable
       !> Value of the variable, not allocated where it is not given.
       character(:), allocatable, intent(inout) :: value
@@ -90,7 +83,6 @@ contains
 
    subroutine check_list(self, variable, value)
       class(checker_type), intent(inout) :: self
-      !> Row of the table.
       type(variable_type), intent(in) :: variable
       !> Values of the variable [variable%unit], not allocated where they are not given.
       real(dp), allocatable, intent(inout) :: value(:)
@@ -106,7 +98,6 @@ contains
 
    subroutine check_names(self, variable, value)
       class(checker_type), intent(inout) :: self
-      !> Row of the table.
       type(variable_type), intent(in) :: variable
       !> Values of the variable, blank where they are not given.
       character(*), intent(inout) :: value(:)

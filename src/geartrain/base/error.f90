@@ -77,7 +77,6 @@ contains
 
    !> Message of an error with the frequencies that it states.
    pure type(words_type) function words_of(error)
-      !> The error.
       type(error_type), intent(in) :: error
 
       words_of%text = error%message

@@ -37,8 +37,6 @@ contains
       !> .false. where the observer has ended the work.
       logical, intent(inout) :: keep_going
 
-      associate (unused_1 => analysis, unused_2 => done, unused_3 => frequency_ratio)
-      end associate
       !$omp critical (geartrain_shared_observer)
       call pass_on(self)
       keep_going = self%keep_going

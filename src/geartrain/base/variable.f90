@@ -68,7 +68,6 @@ module geartrain_base_variable
          import :: visitor_type, variable_type, dp
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
-         !> Row of the table.
          type(variable_type), intent(in) :: variable
          !> Value of the variable [variable%unit].
          real(dp), intent(inout) :: value
@@ -79,7 +78,6 @@ module geartrain_base_variable
          import :: visitor_type, variable_type
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
-         !> Row of the table.
          type(variable_type), intent(in) :: variable
          !> Value of the variable.
          integer, intent(inout) :: value
@@ -88,7 +86,6 @@ module geartrain_base_variable
          import :: visitor_type, variable_type
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
-         !> Row of the table.
          type(variable_type), intent(in) :: variable
          !> Value of the variable.
          logical, intent(inout) :: value
@@ -97,7 +94,6 @@ module geartrain_base_variable
          import :: visitor_type, variable_type
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
-         !> Row of the table.
          type(variable_type), intent(in) :: variable
          !> Value of the variable, not allocated where it is not given.
          character(:), allocatable, intent(inout) :: value
@@ -106,7 +102,6 @@ module geartrain_base_variable
          import :: visitor_type, variable_type, dp
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
-         !> Row of the table.
          type(variable_type), intent(in) :: variable
          !> Values of the variable [variable%unit], not allocated where they are not given.
          real(dp), allocatable, intent(inout) :: value(:)
@@ -115,7 +110,6 @@ module geartrain_base_variable
          import :: visitor_type, variable_type
          implicit none (type, external)
          class(visitor_type), intent(inout) :: self
-         !> Row of the table.
          type(variable_type), intent(in) :: variable
          !> Values of the variable, of which a case gives all or none: blank where they are not given.
          character(*), intent(inout) :: value(:)

@@ -109,7 +109,6 @@ contains
 
    !> Finds the nearest bifurcation point of one symmetry.
    subroutine find_in_group(corrector, doubles, group, from, h, solution, success, taken, again)
-      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> Searches for a period doubling, else for a branch point.
       logical, intent(in) :: doubles

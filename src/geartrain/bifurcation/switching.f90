@@ -38,7 +38,6 @@ contains
       type(train_type), intent(in) :: train
       !> Settings with which `branch` was traced: the period-doubled branch has twice as many harmonics.
       type(response_settings_type), intent(in) :: settings
-      !> Traced branch.
       type(branch_type), intent(in) :: branch
       !> Number of the special point, a period doubling.
       integer, intent(in) :: special
@@ -76,7 +75,6 @@ contains
       type(train_type), intent(in) :: train
       !> Settings with which `branch` was traced.
       type(response_settings_type), intent(in) :: settings
-      !> Traced branch.
       type(branch_type), intent(in) :: branch
       !> Number of the special point, a period doubling or a branch point.
       integer, intent(in) :: special

@@ -71,8 +71,8 @@ contains
       type(limits_type) :: limits
       character(80) :: why, beyond
       real(dp) :: h, ends(2), cosine
-      integer :: k, leapt, crawls, failures
-      logical :: success, ends_here, at_wall, landed, go
+      integer :: leapt, crawls, failures
+      logical :: landed
 
       allocate (side%point(most_points), side%special(most_points))
       ends = ([min(start, stop), max(start, stop)] - augmented%origin)/augmented%scale
@@ -84,112 +84,179 @@ contains
       crawls = 0
       failures = 0
       beyond = ''
-      do while (side%points < most_points)
+      do while (side%points < most_points .and. .not. allocated(side%ended))
          if (here%parameter <= ends(1) .and. here%tangent_parameter < 0 .or. here%parameter >= ends(2) &
              .and. here%tangent_parameter > 0) then
-            call finish('range', words_type('the end of the range of the parameter'))
             side%at_end = .true.
-            return
+            call finish('range', words_type('the end of the range of the parameter'))
+         else
+            call take_step()
          end if
-         call augmented%advance(here, h, next, success, roughly=.true.)
+      end do
+      if (.not. allocated(side%ended)) call finish('limit', words_type('has the most points'))
+
+   contains
+
+      !> Takes a step from `here`, or makes the next one shorter, or ends the curve.
+      subroutine take_step()
+         logical :: reached
+
+         call reach(reached)
+         if (reached) call keep_to_range(reached)
+         if (reached) call keep_to_special(reached)
+         if (reached) call pass_half(reached)
+         if (reached) call pass_tests(reached)
+         if (reached) call record(reached)
+         if (.not. reached) return
+         if (cosine > least_cosine) call augmented%metric%find_bend(here, next)
+         here = next
+         before = after
+         if (cosine > wanted_cosine) h = min(longest, 1.5_dp*h)
+      end subroutine take_step
+
+      !> Makes the next step shorter; the curve ends where it would be too short.
+      subroutine shorten(words)
+         type(words_type), intent(in) :: words
+
+         h = h/3
+         if (.not. h > shortest) call finish('failed', words)
+      end subroutine shorten
+
+      !> Solves for `next` at the end of a step.
+      subroutine reach(reached)
+         logical, intent(out) :: reached
+         logical :: go
+
+         call augmented%advance(here, h, next, reached, roughly=.true.)
          !$omp atomic read
          go = keep_going
          ! A long step may lead to what is no orbit although the parameter keeps the symmetry.
          if (augmented%open .and. h < crawling) then
             call finish('symmetry', 'the parameter breaks the symmetry, at '//lambda(here%frequency_ratio))
-            return
-         end if
-         if (augmented%moving%interrupted() .or. .not. go) then
+         else if (augmented%moving%interrupted() .or. .not. go) then
             call finish('cancelled', words_type('cancelled'))
+         else
+            if (reached) cosine = augmented%metric%product_of(next%tangent, next%tangent_frequency, next%tangent_parameter, here)
+            if (reached) reached = cosine > least_cosine
+            if (.not. reached) call get_along(reached)
+         end if
+         reached = reached .and. .not. allocated(side%ended)
+      end subroutine reach
+
+      !> After a step that failed: a shorter one, across a corner where there is one, or the end of the curve.
+      subroutine get_along(success)
+         logical, intent(out) :: success
+         logical :: at_wall
+         integer :: mesh
+
+         success = .false.
+         h = h/3
+         if (h > crawling) return
+         crawls = crawls + 1
+         at_wall = touches(augmented, here)
+         if (at_wall .and. augmented%kind == 'fold' .and. is_of_half(augmented, here)) then
+            call put(grazing_name('period doubling'), here)
+            call finish('corner', 'meets a grazing doubling of motions of half the period at '//lambda(here%frequency_ratio))
             return
          end if
-         if (success) then
-            cosine = augmented%metric%product_of(next%tangent, next%tangent_frequency, next%tangent_parameter, here)
-            success = cosine > least_cosine
-         end if
-         if (.not. success) then
-            h = h/3
-            if (h > crawling) cycle
-            crawls = crawls + 1
-            at_wall = touches(augmented, here)
-            if (at_wall .and. augmented%kind == 'fold' .and. is_of_half(augmented, here)) then
-               call put(grazing_name('period doubling'), here)
-               call finish('corner', 'meets a grazing doubling of motions of half the period at '//lambda(here%frequency_ratio))
-               return
-            end if
-            if (at_wall) call leap(success)
-            ! Where it does not get across, the curve may still get along in short steps.
-            if (.not. success .and. h > shortest .and. crawls < most_crawls) cycle
-            ! On the curve of an onset every motion touches a wall.
-            if (.not. success .and. at_wall .and. augmented%mesh == 0) then
-               call put(grazing_name(augmented%kind), here)
-               ! What is across the corner says more than the corner.
+         if (at_wall) call leap(success)
+         if (success) return
+         ! Where it does not get across, the curve may still get along in short steps.
+         if (h > shortest .and. crawls < most_crawls) return
+         ! On the curve of an onset every motion touches a wall.
+         if (at_wall .and. augmented%mesh == 0) then
+            call put(grazing_name(augmented%kind), here)
+            ! What is across the corner says more than the corner.
+            if (beyond /= '') then
                call finish('limit', trim(beyond)//' near '//lambda(here%frequency_ratio))
-               if (beyond /= '') return
-               call find_grazing_mesh(augmented, here, k)
-               call finish('corner', 'a corner: '//trim(augmented%system%mesh_name(k))//' grazes a wall of its gap at '// &
-                           lambda(here%frequency_ratio)//', parameter = '//text(augmented%origin + augmented%scale*here%parameter))
                return
             end if
-            if (.not. success .and. h > shortest) cycle
-            if (.not. success) then
-               call finish('failed', 'Newton''s method does not converge at '//lambda(here%frequency_ratio))
-               return
-            end if
+            call find_grazing_mesh(augmented, here, mesh)
+            call finish('corner', 'a corner: '//trim(augmented%system%mesh_name(mesh))//' grazes a wall of its gap at '// &
+                        lambda(here%frequency_ratio)//', parameter = '//text(augmented%origin + augmented%scale*here%parameter))
+         else if (.not. h > shortest) then
+            call finish('failed', 'Newton''s method does not converge at '//lambda(here%frequency_ratio))
          end if
+      end subroutine get_along
+
+      !> Puts `next` onto the end of the range where the step goes beyond it.
+      subroutine keep_to_range(reached)
+         logical, intent(out) :: reached
+
+         reached = .true.
          landed = next%parameter < ends(1) .or. next%parameter > ends(2)
-         if (landed) then
-            call land(merge(ends(1), ends(2), next%parameter < ends(1)), success)
-            if (.not. success) then
-               h = h/3
-               if (h > shortest) cycle
-               call finish('failed', words_type('Newton''s method does not converge at the end of the range'))
-               return
-            end if
-         end if
+         if (.not. landed) return
+         call land(merge(ends(1), ends(2), next%parameter < ends(1)), reached)
+         if (.not. reached) call shorten(words_type('Newton''s method does not converge at the end of the range'))
+      end subroutine keep_to_range
+
+      !> Ends the curve before `next` where that is no special point.
+      subroutine keep_to_special(reached)
+         logical, intent(out) :: reached
+
          call limits%forbids(augmented, next, why)
-         if (why /= '') then
-            call approach(why)
-            return
-         end if
-         if (passes_half(augmented, here, next)) then
-            ends_here = abs(way_to_half(here)) < 2*augmented%metric%distance(here, next)
-            if (ends_here) call locate_half(augmented, here, place, success)
-            if (ends_here .and. success) then
+         reached = why == ''
+         if (.not. reached) call approach(why)
+      end subroutine keep_to_special
+
+      !> Ends the curve where it meets motions of half the period.
+      subroutine pass_half(reached)
+         logical, intent(out) :: reached
+         logical :: meets, success
+
+         reached = .not. passes_half(augmented, here, next)
+         if (reached) return
+         meets = abs(way_to_half(here)) < 2*augmented%metric%distance(here, next)
+         if (meets) then
+            call locate_half(augmented, here, place, success)
+            if (success) then
                call put('generalized doubling', place)
                call finish('double point', words_type('a generalized doubling'))
                return
             end if
-            h = h/3
-            if (h > nearest_half) cycle
-            if (ends_here) then
-               call finish('double point', 'meets the doubling of motions of half the period near '//lambda(here%frequency_ratio))
-               return
-            end if
          end if
+         h = h/3
+         if (h > nearest_half) return
+         reached = .not. meets
+         if (meets) call finish('double point', 'meets the doubling of motions of half the period near '// &
+                                lambda(here%frequency_ratio))
+      end subroutine pass_half
+
+      !> Lists the points between `here` and `next` at which a second condition is met; at some of them the curve ends.
+      subroutine pass_tests(reached)
+         logical, intent(out) :: reached
+         logical :: ends_here
+         integer :: k
+
+         reached = .true.
          call find_tests(augmented, next, after)
          ! Near a zero the signs of values that rest on derivatives of before are not sure.
          if (.not. landed .and. any(after%value*before%value < 0 .or. abs(after%value) < doubtful*abs(before%value))) then
-            call augmented%solve(next, .true., success)
-            if (.not. success) then
-               h = h/3
-               if (h > shortest) cycle
-               call finish('failed', 'Newton''s method does not converge at '//lambda(here%frequency_ratio))
+            call augmented%solve(next, .true., reached)
+            if (.not. reached) then
+               call shorten('Newton''s method does not converge at '//lambda(here%frequency_ratio))
                return
             end if
             call find_tests(augmented, next, after)
          end if
-         ends_here = .false.
          do k = 1, most_tests
             if (name_of(augmented%kind, k) == '') exit
-            if (before%value(k)*after%value(k) < 0) call locate(k, ends_here)
-            if (ends_here) exit
+            if (.not. before%value(k)*after%value(k) < 0) cycle
+            call locate(k, ends_here)
+            reached = .not. ends_here
+            if (ends_here) return
          end do
-         if (ends_here) return
          if (before%events /= after%events .and. augmented%mesh == 0) then
             call locate_grazing(augmented, here, next, place)
             call put(grazing_name(augmented%kind), place)
          end if
+      end subroutine pass_tests
+
+      !> Makes `next` a point of the curve, with which it may end.
+      subroutine record(goes_on)
+         logical, intent(out) :: goes_on
+         logical :: go
+
          side%points = side%points + 1
          side%point(side%points) = next
          !$omp critical (geartrain_locus)
@@ -203,26 +270,17 @@ contains
          !$omp atomic write
          keep_going = go
          !$omp end critical (geartrain_locus)
-         if (side%points > 3 .and. passes(augmented, here, next, first)) then
+         side%closed = side%points > 3 .and. passes(augmented, here, next, first)
+         if (side%closed) then
             call finish('closed', words_type('closed'))
-            side%closed = .true.
-            return
-         end if
-         call limits%ends_at(augmented, next, side%ended)
-         if (allocated(side%ended)) then
+         else
+            call limits%ends_at(augmented, next, side%ended)
             ! A curve over the torque from 0 on is whole where the motion vanishes.
-            side%at_end = limits%vanishes(augmented) .and. minval(abs(next%parameter - ends)) < near_end
-            side%end_kind = merge('range', 'limit', side%at_end)
-            return
+            side%at_end = allocated(side%ended) .and. limits%vanishes(augmented) .and. minval(abs(next%parameter - ends)) < near_end
+            if (allocated(side%ended)) side%end_kind = merge('range', 'limit', side%at_end)
          end if
-         if (cosine > least_cosine) call augmented%metric%find_bend(here, next)
-         here = next
-         before = after
-         if (cosine > wanted_cosine) h = min(longest, 1.5_dp*h)
-      end do
-      call finish('limit', words_type('has the most points'))
-
-   contains
+         goes_on = .not. allocated(side%ended)
+      end subroutine record
 
       !> Goes on beyond a grazing, where the curve has a corner at which Newton's method fails.
       subroutine leap(success)

@@ -37,7 +37,6 @@ contains
 
    !> Traces the curve of a special point both ways, as long as the parameter is between two values.
    subroutine trace_locus(train, motion, kind, mesh, name, start, stop, locus, error, observer)
-      !> The train.
       type(train_type), intent(in) :: train
       !> A motion near the special point, with a state or coefficients.
       type(motion_type), intent(in) :: motion

@@ -39,9 +39,7 @@ contains
    !> Takes the harmonics that a point of a branch was solved with.
    subroutine take(self, system, branch, point)
       class(plan_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> Number of the point.
       integer, intent(in) :: point
@@ -56,9 +54,7 @@ contains
    !> Plans a balance.
    subroutine apply(self, system, balance)
       class(plan_type), intent(in) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
-      !> The balance.
       type(balance_type), intent(inout) :: balance
 
       if (allocated(self%carried)) then
@@ -71,7 +67,6 @@ contains
    !> Prepares for motions of a train.
    subroutine setup(self, system, plan, doubles)
       class(crossing_multiplier_type), intent(out) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Harmonics of the motions.
       type(plan_type), intent(in) :: plan

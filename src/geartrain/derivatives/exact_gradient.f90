@@ -33,7 +33,6 @@ contains
 
    !> Finds dLambda of a special point of a refined branch.
    subroutine exact_gradient(train, branch, special, given, gradient, error)
-      !> The train.
       type(train_type), intent(in) :: train
       !> The refined branch.
       type(branch_type), intent(in) :: branch

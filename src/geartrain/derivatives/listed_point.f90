@@ -50,9 +50,7 @@ contains
    !> Finds a fold, period doubling or Neimark-Sacker point.
    subroutine find(self, system, branch, number, found, reason)
       class(listed_point_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> Number of the special point.
       integer, intent(in) :: number

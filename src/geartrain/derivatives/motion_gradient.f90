@@ -29,7 +29,6 @@ contains
 
    !> Finds the derivatives of a figure of a motion at constant speed, those of the balance with the harmonics of the motion.
    subroutine motion_gradient(train, motion, figure, names, gradient, error)
-      !> The train.
       type(train_type), intent(in) :: train
       !> A periodic motion with its coefficients.
       type(motion_type), intent(in) :: motion

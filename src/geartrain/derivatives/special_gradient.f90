@@ -41,9 +41,7 @@ contains
 
    !> Finds dLambda of a special point of a branch.
    subroutine special_gradient(train, branch, special, names, gradient, error)
-      !> The train.
       type(train_type), intent(in) :: train
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> Number of the special point.
       integer, intent(in) :: special

@@ -21,7 +21,6 @@ contains
    subroutine check_distances(train, checker)
       !> The train as given, with any values.
       type(train_type), intent(in) :: train
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(pair_geometry_type) :: geometry
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)

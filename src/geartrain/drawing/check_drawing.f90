@@ -30,7 +30,6 @@ contains
    subroutine check_drawing(train, checker)
       !> The train as given, with any values.
       type(train_type), intent(in) :: train
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       integer :: i
 

@@ -33,7 +33,6 @@ contains
       type(set_type), intent(in) :: numbers
       !> The train, with its bodies; earlier sets are expanded.
       type(train_type), intent(in) :: train
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       integer :: before
 

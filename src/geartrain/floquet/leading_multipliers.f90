@@ -78,7 +78,6 @@ contains
 
    subroutine setup(self, system)
       class(leading_multipliers_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
 
       self%states = 2*system%coordinates

@@ -78,7 +78,6 @@ contains
 
    subroutine setup(self, system, all_of_them)
       class(monodromy_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> All multipliers, however many states there are.
       logical, intent(in), optional :: all_of_them

@@ -62,7 +62,6 @@ contains
 
    subroutine setup(self, system)
       class(propagator_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       integer :: blocks, i, k, most
 

@@ -72,7 +72,6 @@ contains
    !> Prepares for the motions of a train.
    subroutine setup(self, system)
       class(slow_multipliers_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
 
       self%system => system

@@ -49,7 +49,6 @@ contains
 
    subroutine put_system(self, system)
       class(step_rule_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       real(dp) :: stiffest(system%elements), damping(system%elements), aspect
       integer :: i, j

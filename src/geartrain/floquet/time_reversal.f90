@@ -36,7 +36,6 @@ contains
    !> Finds J and the centres of symmetry; no centre where J is singular.
    subroutine setup(self, system)
       class(time_reversal_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       real(dp), dimension(system%coordinates, system%coordinates) :: coupling, inertia, symmetric
       real(dp) :: scale(system%coordinates), product(2*system%coordinates, 2*system%coordinates)

@@ -65,7 +65,6 @@ contains
 
    subroutine setup(self, system)
       class(vector_propagator_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
 
       call self%put_system(system)

@@ -31,7 +31,6 @@ contains
    !> Tells whether the orbit on the other side of a fold was meant: the one on the side that is asked for, else the one that is
    !> nearer to the guess.
    subroutine look_beyond_fold(system, frequency_ratio, period, guess, state, monodromy, other, beyond, side)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

@@ -37,7 +37,6 @@ contains
    !> Finds kind and moments.
    subroutine find(self, system, map, state, periods)
       class(aperiodic_type), intent(out) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> The map from section to section.
       type(section_map_type), intent(in) :: map

@@ -69,7 +69,6 @@ contains
    !> Sets the orbit; self%period stays 0 where the orbit does not attract.
    subroutine setup(self, system, frequency_ratio, period, state, monodromy, accuracy)
       class(attraction_type), intent(out) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

@@ -92,7 +92,6 @@ contains
    !> Follows the flow towards the known orbit, or searches for an orbit, after `k` periods of the fundamental.
    subroutine look(self, system, frequency_ratio, section, k, tolerance, repeated, settled)
       class(attractor_search_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -192,7 +191,6 @@ contains
 
    !> The periods 1 to 16, the likeliest period of an orbit near `state` first, by length of the first Newton step times period.
    function likely_periods(system, frequency_ratio, state) result(period)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)

@@ -30,7 +30,6 @@ contains
    !> Finds the scales of a train.
    pure subroutine setup(self, system, frequency_ratio)
       class(bound_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda, the highest of the motion [1].
       real(dp), intent(in) :: frequency_ratio

@@ -18,7 +18,6 @@ contains
 
    !> Moves a state by a small amount, another one in each coordinate.
    pure subroutine disturb(system, state)
-      !> The train.
       type(system_type), intent(in) :: system
       !> State [1], (state).
       real(dp), intent(inout) :: state(:)

@@ -59,7 +59,6 @@ contains
    !> Finds the couplings with friction.
    pure subroutine setup(self, system, order)
       class(friction_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Order of the Taylor series.
       integer, intent(in) :: order
@@ -129,7 +128,6 @@ contains
    !> forces of what sticks, which has no acceleration.
    pure subroutine act(self, system, columns, k, loop, acceleration)
       class(friction_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Number of columns (state and tangents); number of the coefficient.
       integer, intent(in) :: columns, k
@@ -172,7 +170,6 @@ contains
    !> Velocities of a coupling by those of the coordinates [1], (column).
    pure function rates(self, system, i, velocity) result(rate)
       class(friction_type), intent(in) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Number of the coupling.
       integer, intent(in) :: i
@@ -192,7 +189,6 @@ contains
    !> Takes from velocities of tangents what a coupling that sticks would not let pass, as an impact would.
    pure subroutine hold(self, system, velocity)
       class(friction_type), intent(in) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Velocities [1], (column, coordinate).
       real(dp), intent(inout) :: velocity(:, :)

@@ -30,7 +30,6 @@ contains
    !> Factors the inverse inertia of a train.
    pure subroutine setup(self, system)
       class(energy_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: stiffness(system%elements)
       integer :: i, n, m

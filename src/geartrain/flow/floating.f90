@@ -19,7 +19,6 @@ contains
 
    !> Whether some mesh with backlash has no static force.
    pure logical function can_float(system)
-      !> The train.
       type(system_type), intent(in) :: system
 
       can_float = any(system%half_backlash > 0 .and. .not. abs(system%static_force(system%mesh_element)) > 0)
@@ -29,7 +28,6 @@ contains
    !> meshes that touch no flank the train has more rigid motions. (A steady motion that touches one flank touches the other flank
    !> too, because the forces have no mean.)
    pure logical function is_floating(system, motion)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Motion with its extremes.
       type(motion_type), intent(in) :: motion

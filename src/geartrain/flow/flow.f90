@@ -87,7 +87,6 @@ contains
    !> Makes the work space.
    subroutine setup(self, system, columns, order, tolerance)
       class(flow_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Number of columns: the state and tangents.
       integer, intent(in) :: columns

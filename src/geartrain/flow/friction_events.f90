@@ -17,7 +17,6 @@ contains
    pure subroutine begin_friction(friction, system, acceleration, x)
       !> Friction after `begin`.
       type(friction_type), intent(inout) :: friction
-      !> The train.
       type(system_type), intent(in) :: system
       !> Accelerations of all elements without the friction of the undecided couplings [1], (element).
       real(dp), intent(in) :: acceleration(:)
@@ -35,7 +34,6 @@ contains
    pure subroutine change_mode(friction, system, i, velocity, h, x)
       !> Friction after a step that ended at the event.
       type(friction_type), intent(inout) :: friction
-      !> The train.
       type(system_type), intent(in) :: system
       !> Number of the coupling.
       integer, intent(in) :: i
@@ -64,7 +62,6 @@ contains
    pure subroutine meet_jump(friction, system, element, jump, speed, velocity, h, x)
       !> Friction after a step that ended at the event.
       type(friction_type), intent(inout) :: friction
-      !> The train.
       type(system_type), intent(in) :: system
       !> Element of the mesh.
       integer, intent(in) :: element

@@ -11,7 +11,6 @@ contains
 
    !> Replaces the part of couplings with friction in the means of torques, and their own extremes.
    pure subroutine correct_torques(system, exact, largest, sampled, motion)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Mean force of each mesh [N, of a coupling N m] in row 3; largest phi and largest -phi [1]; mean of the samples of phi [1];
       !> (row, mesh) and (mesh).

@@ -21,7 +21,6 @@ contains
 
    !> Moves the twists of couplings that stick throughout the period of an orbit to their middle.
    subroutine centre_twists(system, sections, frequency_ratio, length, states, moved)
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Flown over the orbit.
       type(sections_type), intent(in) :: sections
@@ -44,7 +43,6 @@ contains
 
    !> Finds how far the twists of couplings that stick throughout are from their middle.
    subroutine find_middle_twists(system, frequency_ratio, period, state, held, change)
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

@@ -23,7 +23,6 @@ contains
 
    !> Load shares of a motion.
    subroutine carry_shares_1(fields, share, share_maximum)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       !> Mean and largest share of each planet [1], (planet); not allocated: none.
       real(dp), allocatable, intent(inout) :: share(:), share_maximum(:)
@@ -34,7 +33,6 @@ contains
 
    !> Load shares at each point of a branch.
    subroutine carry_shares_2(fields, share, share_maximum)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       !> Mean and largest share of each planet [1], (planet, point); not allocated: none.
       real(dp), allocatable, intent(inout) :: share(:, :), share_maximum(:, :)

@@ -26,7 +26,6 @@ contains
    !> Flies from a state, and looks at the sections after a transient. A flow that rests on an orbit that repels is disturbed, and
    !> flies anew from there.
    subroutine find_long_run(system, frequency_ratio, transient, state, sections, exponents, errors, period, kind, rotation)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

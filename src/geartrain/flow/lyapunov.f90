@@ -49,7 +49,6 @@ contains
    !> Averages over 500 vibrations of the slowest mesh or 200 periods of the fundamental, whichever is longer, then over twice the
    !> time, and so on, until the sign of the exponent is known, or the exponent is known to be about 0.
    subroutine find_exponent(system, frequency_ratio, state, most, exponent, error, observer)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -71,7 +70,6 @@ contains
 
    !> Averages over a given number of periods of the fundamental.
    subroutine largest_exponent(system, frequency_ratio, state, periods, exponent, error, observer)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)

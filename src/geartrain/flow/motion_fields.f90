@@ -69,12 +69,14 @@ module geartrain_flow_motion_fields
       row('torque_min_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_minimum', in_window, optional=.true.), &
       row('torque_max_uncertainty', 'shaft', 'N m', as_rms//'shaft_torque_maximum', in_window, optional=.true.)]
 
-   character(*), parameter :: of_reaction = ' torque by which a held body is held, in the sense in which `speed_of` turns'
    type(row), parameter :: reactions(3) = [ &
-      row('reaction_torque_mean', 'held', 'N m', 'mean'//of_reaction//'; NaN: undetermined, two held bodies on rigid shafts', &
+      row('reaction_torque_mean', 'held', 'N m', 'mean torque by which a held body is held, in the sense in which `speed_of` &
+          &turns; NaN: undetermined, two held bodies on rigid shafts', &
           'where a body is held', optional=.true.), &
-      row('reaction_torque_minimum', 'held', 'N m', 'smallest'//of_reaction, 'where a body is held', optional=.true.), &
-      row('reaction_torque_maximum', 'held', 'N m', 'largest'//of_reaction, 'where a body is held', optional=.true.)]
+      row('reaction_torque_minimum', 'held', 'N m', 'smallest torque of a held body, signed as reaction_torque_mean', &
+          'where a body is held', optional=.true.), &
+      row('reaction_torque_maximum', 'held', 'N m', 'largest torque of a held body, signed as reaction_torque_mean', &
+          'where a body is held', optional=.true.)]
 
    !> Carries the fields of the torques of shafts, held bodies and couplings.
    interface carry_torques
@@ -99,7 +101,6 @@ contains
       type(motion_type), allocatable, intent(inout) :: motions(:)
       !> Dimension of the list, whose axis has been visited.
       character(*), intent(in) :: along
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       type(motion_type), allocatable :: none(:)
       integer :: i, n, meshes, shafts, held, couplings, bearings, planets, terms, coordinates, states
@@ -281,7 +282,6 @@ contains
    subroutine coefficient_axis(orders, fields)
       !> Harmonics of the coefficients, ascending.
       integer, intent(in) :: orders(:)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       character(16) :: labels(1 + 2*size(orders))
       integer :: i
@@ -296,7 +296,6 @@ contains
 
    !> Torques of the shafts, held bodies and couplings of a motion.
    subroutine carry_torques_1(fields, mean, minimum, maximum)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       !> Torques [N m], (shaft, then held body, then coupling); not allocated: none.
       real(dp), allocatable, intent(inout) :: mean(:), minimum(:), maximum(:)
@@ -308,7 +307,6 @@ contains
 
    !> Torques of the shafts, held bodies and couplings at each point of a branch.
    subroutine carry_torques_2(fields, mean, minimum, maximum)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       !> Torques [N m], (shaft, then held body, then coupling, point); not allocated: none.
       real(dp), allocatable, intent(inout) :: mean(:, :), minimum(:, :), maximum(:, :)
@@ -325,7 +323,6 @@ contains
 
    !> Loads on the meshes of a motion.
    subroutine carry_loads_1(fields, load)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       !> Loads, (mesh); not allocated: none.
       type(mesh_load_type), allocatable, intent(inout) :: load(:)
@@ -353,7 +350,6 @@ contains
 
    !> Loads on the meshes at each point of a branch.
    subroutine carry_loads_2(fields, load, points)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       !> Loads, (mesh, point); not allocated: none.
       type(mesh_load_type), allocatable, intent(inout) :: load(:, :)
@@ -386,7 +382,6 @@ contains
 
    !> Carries the states of the points of a branch.
    subroutine carry_states(fields, states)
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> States at time 0 [1], (coordinate, point); not allocated: not known.
       real(dp), allocatable, intent(inout) :: states(:, :)

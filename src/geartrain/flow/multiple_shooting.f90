@@ -39,7 +39,6 @@ contains
    !> Number of sections of a period of the fundamental, which the memory for their matrices limits; even unless it is 1, so that a
    !> section begins after half the period.
    pure integer function most_parts(system, period)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Period of the orbit [periods of the fundamental].
       integer, intent(in) :: period
@@ -49,7 +48,6 @@ contains
 
    !> States of a motion at the beginnings of the sections.
    subroutine section_states(system, motion, sections, states)
-      !> The train.
       type(system_type), intent(in) :: system
       !> The motion, with a state or with coefficients.
       type(motion_type), intent(in) :: motion

@@ -37,8 +37,7 @@ module geartrain_flow_orbit
 contains
 
    !> Carries a state and its tangents over a period.
-   subroutine propagate(system, frequency_ratio, period, state, final, monodromy, slowest_event)
-      !> The train.
+   subroutine propagate(system, frequency_ratio, period, state, final, monodromy)
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
@@ -48,8 +47,6 @@ contains
       real(dp), intent(out) :: final(:)
       !> Monodromy matrix [1], (state, state).
       real(dp), intent(out), optional :: monodromy(:, :)
-      !> Smallest |dp/dtau| at a contact event [1]: near 0 is grazing; huge: no event.
-      real(dp), intent(out), optional :: slowest_event
       type(flow_type) :: flow
       integer :: i, n
 
@@ -58,10 +55,8 @@ contains
       call flow%setup(system, n + 1, flow_order, flow_tolerance)
       flow%x(1, :) = state
       if (n > 0) call begin_tangents(flow, state)
-      if (present(slowest_event)) slowest_event = huge(1.0_dp)
       do i = 1, period
          call flow%pass_period(frequency_ratio)
-         if (present(slowest_event)) slowest_event = min(slowest_event, flow%slowest_event)
       end do
       final = flow%x(1, :)
       if (n > 0) monodromy = transpose(flow%x(2:, :))
@@ -85,7 +80,6 @@ contains
    !> Samples a period of an orbit, or a window of a flow, at equidistant instants, the first at phase 0.
    subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque, rate, window, &
                            observer, stopped, mean, loss, piece, reach_of)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
@@ -273,7 +267,6 @@ contains
 
    !> Number of harmonics of Lambda that are stored by default.
    pure integer function stored_harmonics(system)
-      !> The train.
       type(system_type), intent(in) :: system
 
       associate (reach => reach_of_sources(system))
@@ -285,7 +278,6 @@ contains
 
    !> Number of samples of a period of the fundamental from which the figures of a motion are computed.
    pure integer function measured_samples(system, harmonics) result(samples)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Harmonics of Lambda that are stored.
       integer, intent(in) :: harmonics
@@ -299,7 +291,6 @@ contains
 
    !> Memory that `measure` takes beside its result [bytes].
    pure real(dp) function memory_to_measure(system, periods, harmonics) result(bytes)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Periods of the fundamental; harmonics of Lambda that are stored, 0: `stored_harmonics`.
       integer, intent(in) :: periods, harmonics
@@ -314,7 +305,6 @@ contains
 
    !> Computes the figures of a motion from its frequency, period and state.
    subroutine measure(system, wanted, motion, observer, stopped)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Number of harmonics of Lambda in the coefficients, which are those of Lambda/period or Lambda/window; 0:
       !> `stored_harmonics`.

@@ -42,7 +42,6 @@ contains
    !> Begins a search from rest.
    subroutine begin(self, system, frequency_ratio, longest, harmonics, most_sections)
       class(orbit_search_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

@@ -59,9 +59,7 @@ contains
 
    !> Number of samples of a period of the fundamental at the highest speed that shows what a train does.
    pure integer function automatic_samples(system, ramp) result(samples)
-      !> The train.
       type(system_type), intent(in) :: system
-      !> The ramp.
       type(ramp_type), intent(in) :: ramp
       real(dp) :: vibration
       integer :: j
@@ -74,9 +72,7 @@ contains
 
    !> Makes room for a whole run-up and keeps what is done. Whether memory will suffice is found out here, not after hours.
    subroutine make_room(system, ramp, samples, shafts, result, error)
-      !> The train.
       type(system_type), intent(in) :: system
-      !> The ramp.
       type(ramp_type), intent(in) :: ramp
       !> Samples of a period of the fundamental at the highest speed; number of shafts, rigid ones included, and of held bodies.
       integer, intent(in) :: samples, shafts
@@ -132,7 +128,6 @@ contains
       type(system_type), target, intent(in) :: system
       !> State of the system less the state as it is told [1], (state).
       real(dp), intent(in) :: shift(:)
-      !> The ramp.
       type(ramp_type), intent(in) :: ramp
       !> With room for all samples, and the state at the end of the windows done.
       type(run_up_type), intent(inout) :: result

@@ -53,7 +53,6 @@ contains
    !> Finds the balls of an orbit.
    subroutine setup(self, system, map, period, state)
       class(recognition_type), intent(out) :: self
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> The map from section to section.
       type(section_map_type), intent(in) :: map

@@ -59,7 +59,6 @@ contains
    !> Makes the tables.
    subroutine setup(self, system, frequency_ratio)
       class(section_map_type), intent(out) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

@@ -79,7 +79,6 @@ contains
    !> Prepares flights over the period of an orbit.
    subroutine setup(self, system, period, parts, moves)
       class(sections_type), intent(inout) :: self
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> Period of the orbit [periods of the fundamental]; sections of a period of the fundamental.
       integer, intent(in) :: period, parts

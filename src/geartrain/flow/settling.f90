@@ -34,7 +34,6 @@ contains
 
    !> Integrates period of the fundamental by period of the fundamental until it is known which motion the flow settles on.
    subroutine settle(system, frequency_ratio, settings, state, motion, observer, stopped)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -115,7 +114,6 @@ contains
 
    !> Makes it an error if there is no memory for the figures of a motion that `settle` finds, or does not.
    subroutine need_to_settle(system, harmonics, error)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Harmonics that are stored; 0: as many as the train needs.
       integer, intent(in) :: harmonics
@@ -153,7 +151,6 @@ contains
 
    !> Whether the flow from a state is still linear next to an orbit that repels: then the flow does not yet tell its steady motion.
    logical function is_leaving(system, frequency_ratio, state, exponent)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state); largest Lyapunov exponent of the flow, per unit of time [1].
       real(dp), intent(in) :: frequency_ratio, state(:), exponent

@@ -39,7 +39,6 @@ contains
 
    !> Adds up the torques of shafts at equidistant instants from time 0 on.
    pure subroutine add_torques(system, frequency_ratio, spacing, phi, torque)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1]; phase of the fundamental between two instants [rad].
       real(dp), intent(in) :: frequency_ratio, spacing

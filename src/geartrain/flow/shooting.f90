@@ -31,7 +31,6 @@ contains
    !> Refines a motion to a relative error of about 1e-11, with multipliers and the state at time 0. Beside a fold the motion stays
    !> on its side. On failure the motion is unchanged and the error says why.
    subroutine refine(train, motion, error, in_sections, harmonics, repeats, side)
-      !> The train.
       type(train_type), intent(in) :: train
       !> A motion with a period and a state or coefficients, then the refined motion.
       type(motion_type), intent(inout) :: motion
@@ -147,7 +146,6 @@ contains
 
    !> Newton's method on the flow over a period, from a state to the state of an orbit nearby.
    subroutine find_orbit(system, frequency_ratio, period, most, state, monodromy, length, found, flights)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

@@ -69,7 +69,6 @@ contains
    !> Finds the time to settle and the modes that do not die out within it.
    subroutine setup(self, system, shortest, longest)
       class(slow_modes_type), intent(out) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Limits of the time to settle [1].
       real(dp), intent(in) :: shortest, longest
@@ -195,7 +194,6 @@ contains
    !> Amplitude of each mesh displacement in the free vibrations as they were read last [1], (mesh).
    pure function ringing(self, system) result(amplitude)
       class(slow_modes_type), intent(in) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: amplitude(system%meshes)
       complex(dp) :: moved

@@ -22,7 +22,6 @@ contains
    !> The largest Lyapunov exponents, as many as asked for: tangents carried along the flow and made orthogonal again after each
    !> period of the fundamental (Benettin and others, 1980), in the norm of the energy.
    subroutine lyapunov_spectrum(system, map, state, periods, exponents, errors, lost, sections)
-      !> The train.
       type(system_type), intent(in) :: system
       !> The map from section to section.
       type(section_map_type), intent(in) :: map
@@ -98,7 +97,6 @@ contains
    !> period n, whose sections lie on n closed curves and go from one to the next, from the nearest multiple of 1/n, 0 to 1/(2n).
    !> Negative: the sections go round no point of any plane of displacement and velocity.
    pure real(dp) function rotation_number(system, sections) result(turns)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Successive states at phase 0 [1], (state, period).
       real(dp), intent(in) :: sections(:, :)

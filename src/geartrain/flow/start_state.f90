@@ -16,7 +16,6 @@ contains
 
    !> State at rest [1], (state), see geartrain_flow_flow: every mesh is on the flank that bears its mean load.
    pure function resting_state(system) result(state)
-      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: state(system%states)
       integer :: j
@@ -32,7 +31,6 @@ contains
 
    !> State of a motion at time 0: `motion%state` where it is allocated, else from the coefficients.
    subroutine state_of(system, motion, state)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Motion with a state or with coefficients.
       type(motion_type), intent(in) :: motion
@@ -51,7 +49,6 @@ contains
    !> States of a motion at equidistant instants of its period from time 0 on, from its coefficients. The twists of shafts follow
    !> from the mesh forces.
    subroutine states_of(system, motion, states)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Motion with coefficients.
       type(motion_type), intent(in) :: motion
@@ -112,7 +109,6 @@ contains
    !> A state with uniformly distributed mesh displacements, up to three times the larger of resting displacement and half backlash,
    !> and velocities, up to this amplitude times the frequency of the mesh vibrating alone. Shafts are untwisted.
    function random_state(system, seed, start) result(state)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Seed of the random numbers; number of the start.
       integer, intent(in) :: seed, start

@@ -25,7 +25,6 @@ contains
       !> Taylor coefficients of the accelerations by excitation, and of the displacements of the elements that close loops where the
       !> coordinates are 0, (0:order + 1, loop) [1].
       real(dp), intent(in) :: excitation(0:order, elements), loop(0:, :)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Dry friction of couplings, prepared; gets its forces.
       type(friction_type), intent(inout) :: friction

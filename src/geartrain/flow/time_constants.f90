@@ -56,7 +56,6 @@ contains
 
    !> Follows the flow for some time constants, up to phase 0.
    subroutine settle_by_time(system, frequency_ratio, max_periods, state, settled, observer)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -136,7 +135,6 @@ contains
 
    !> Settles by the time constants, and finds the figures of a window.
    subroutine find_in_window(system, frequency_ratio, settings, state, motion, observer, stopped)
-      !> The train.
       type(system_type), target, intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

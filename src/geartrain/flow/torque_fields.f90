@@ -22,7 +22,6 @@ module geartrain_flow_torque_fields
 contains
 
    subroutine carry_torque_1(fields, about, values)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       !> The rows of the three fields.
       type(row), intent(in) :: about(3)
@@ -55,7 +54,6 @@ contains
    end subroutine carry_torque_1
 
    subroutine carry_torque_2(fields, about, values)
-      !> Lists, writes or reads each field.
       class(fields_type), intent(inout) :: fields
       !> The rows of the three fields.
       type(row), intent(in) :: about(3)

@@ -14,7 +14,6 @@ contains
 
    !> Finds the first instant in (0, h] at which a mesh leaves its present contact, and shortens h to this instant.
    pure subroutine first_wall(system, contact, p, last_mesh, last_wall, h, found, mesh, wall)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Region of the force law of each mesh, (mesh).
       integer, intent(in) :: contact(:)

@@ -28,7 +28,6 @@ contains
 
    !> Whether the figures of the motions are those of a window.
    pure logical function goes_by_windows(system, wanted)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Window that was asked for [cycles of the slowest mesh]; 0: none, it depends on the length of the period.
       integer, intent(in) :: wanted
@@ -56,7 +55,6 @@ contains
 
    !> Time of a cycle of the slowest mesh [1].
    pure real(dp) function cycle_time(system, frequency_ratio)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -66,7 +64,6 @@ contains
 
    !> Length of the window [periods of the fundamental].
    pure real(dp) function window_of(system, wanted) result(window)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Cycles of the slowest mesh that were asked for; 0: chosen here.
       integer, intent(in) :: wanted

@@ -30,11 +30,9 @@ contains
 
    !> Checks the values of the analyses against one another and against the train.
    subroutine check_analyses(case, seeded, checker)
-      !> The case.
       type(case_type), intent(in), target :: case
       !> Whether an analysis may start from a given motion.
       logical, intent(in) :: seeded
-      !> Collects the problems.
       class(checker_type), intent(inout) :: checker
       type(results_type), target :: none
       class(analysis_type), allocatable :: analysis

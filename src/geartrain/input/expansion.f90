@@ -14,7 +14,6 @@ contains
    subroutine name_sets(expansion, problems)
       !> Where bodies and meshes come from.
       type(expansion_type), intent(in) :: expansion
-      !> The problems.
       type(problems_type), intent(inout) :: problems
       integer :: i, kept, set
 

@@ -131,8 +131,6 @@ contains
       type(variable_type), intent(in) :: variable
       real(dp), allocatable, intent(inout) :: value(:)
 
-      associate (unused => value)
-      end associate
       call self%collect(variable, 'reals', 'none')
    end subroutine on_list
 
@@ -141,8 +139,6 @@ contains
       type(variable_type), intent(in) :: variable
       character(*), intent(inout) :: value(:)
 
-      associate (unused => value)
-      end associate
       call self%collect(variable, 'names', 'none')
    end subroutine on_names
 

@@ -72,8 +72,26 @@ contains
       end associate
       do i = 1, size(analyses)
          call find_analysis(i, case, none, analysis, ask=.true.)
-         call analysis%give_example()
       end do
+      case%attractors%frequency = 0.6_dp
+      case%basins%frequency = 0.7_dp
+      case%bifurcation_diagram%start = 0.2_dp
+      case%bifurcation_diagram%stop = 2.6_dp
+      case%integration%start = 0.2_dp
+      case%integration%stop = 2.6_dp
+      case%integration%direction = 'both'
+      case%locus%near = 0.46_dp
+      case%locus%parameter = 'stiffness_variation'
+      case%locus%start = 0.1_dp
+      case%locus%stop = 0.5_dp
+      case%response%start = 0.2_dp
+      case%response%stop = 2.6_dp
+      case%run_up%start = 0.2_dp
+      case%run_up%stop = 2.6_dp
+      case%run_up%duration = 2
+      case%stability_map%start = 0.2_dp
+      case%stability_map%stop = 4.2_dp
+      case%stability_map%parameter_stop = 0.5_dp
       case%output_file = ''
    end function paper_case
 

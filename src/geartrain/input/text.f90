@@ -35,7 +35,6 @@ contains
 
    !> Writes a case as a namelist with every default.
    subroutine case_text(case, text)
-      !> The case.
       type(case_type), intent(in) :: case
       !> The namelist; numbers have as many digits, up to 17, as needed to read back identical bits.
       character(:), allocatable, intent(out) :: text
@@ -50,7 +49,6 @@ contains
 
    !> Writes a case as a namelist with every variable explained where it first occurs.
    subroutine commented_text(case, text)
-      !> The case.
       type(case_type), intent(in) :: case
       !> The namelist, with comments.
       character(:), allocatable, intent(out) :: text
@@ -79,8 +77,8 @@ contains
       do i = 1, size(groups)
          text = text//newline//'## `&'//trim(groups(i)%name)//'`'//newline//newline//trim(groups(i)%description)//newline
          if (.not. any(rows%group == groups(i)%name)) cycle
-         text = text//newline//'| Variable | Type | Unit | Default | Allowed | Meaning |'//newline// &
-                '|---|---|---|---|---|---|'//newline
+         text = text//newline//'| Variable | Type | Default | Allowed | Meaning |'//newline// &
+                '|---|---|---|---|---|'//newline
          do j = 1, size(rows)
             if (rows(j)%group == groups(i)%name) call add_row(rows(j), any(of_chain%group == rows(j)%group .and. &
                of_chain%variable%name == rows(j)%variable%name .and. of_chain%variable%required), text)
@@ -100,13 +98,25 @@ contains
       if (chain_requires) default = 'required in a chain'
       if (row%variable%required) default = 'required'
       text = text//'| `'//trim(row%variable%name)//'` |'
-      call add_cell(row%kind, text)
-      call add_cell(row%variable%unit, text)
+      if (row%variable%unit == '') call add_cell(row%kind, text)
+      if (row%variable%unit /= '') call add_cell(trim(row%kind)//' ['//trim(row%variable%unit)//']', text)
       call add_cell(default, text)
-      call add_cell(row%variable%range(), text)
+      call add_cell(in_short(row%variable%range()), text)
       call add_cell(row%variable%description, text)
       text = text//newline
    end subroutine add_row
+
+   !> A range '>= 1 and <= 5, or 0' as '1 to 5, or 0'; any other range as it is.
+   pure function in_short(range)
+      character(*), intent(in) :: range
+      character(len(range)) :: in_short
+      character(*), parameter :: between = ' and <= '
+      integer :: at
+
+      in_short = range
+      at = index(range, between)
+      if (index(range, '>= ') == 1 .and. at > 0) in_short = range(4:at - 1)//' to '//range(at + len(between):)
+   end function in_short
 
    !> Adds a cell of a Markdown table with the bar after it.
    subroutine add_cell(words, text)

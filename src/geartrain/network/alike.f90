@@ -16,7 +16,6 @@ contains
    !> and again by what their neighbours were told apart by, as long as this makes more kinds. Keys of two kinds could be equal by
    !> chance, but hardly are.
    pure real(dp) function share_alike(system, others)
-      !> The train.
       type(system_type), intent(in) :: system
       !> How many others.
       integer, intent(in) :: others

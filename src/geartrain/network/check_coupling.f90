@@ -20,7 +20,6 @@ contains
    subroutine check_coupling(coupling, checker)
       !> The coupling as given.
       type(mesh_type), intent(in) :: coupling
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       character(*), parameter :: cure = 'contradicts angle and torque: leave out one of the two'
       integer :: i
@@ -69,9 +68,7 @@ contains
    subroutine check_middles(meshes, network, checker)
       !> The meshes of a plain train.
       type(mesh_type), intent(in) :: meshes(:)
-      !> Its network.
       type(network_type), intent(in) :: network
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(characteristic_type) :: found
       integer :: i, n
@@ -97,9 +94,7 @@ contains
    subroutine check_friction(meshes, network, checker)
       !> The meshes of a plain train.
       type(mesh_type), intent(in) :: meshes(:)
-      !> Its network.
       type(network_type), intent(in) :: network
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(rows_type) :: rows
       logical :: independent
@@ -123,7 +118,6 @@ contains
 
    !> Whether a coupling of a train has dry friction.
    pure logical function has_friction(train)
-      !> The train.
       type(train_type), intent(in) :: train
 
       has_friction = .false.
@@ -132,11 +126,9 @@ contains
 
    !> Adds a problem for each coupling with dry friction, which an analysis does not have.
    subroutine refuse_friction(train, what, checker)
-      !> The train.
       type(train_type), intent(in) :: train
       !> The analysis, '&response'; and what it does, in words.
       character(*), intent(in) :: what
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       integer :: i
 
@@ -153,7 +145,6 @@ contains
 
    !> Makes it an error to make exact what shooting found, and what lies on corners of the branch where it is not smooth.
    subroutine refuse_friction_of(train, what, error)
-      !> The train.
       type(train_type), intent(in) :: train
       !> What is asked for, as in 'audit: points'.
       character(*), intent(in) :: what

@@ -17,7 +17,6 @@ contains
    subroutine check_damping(train, checker)
       !> The train, with any values.
       type(train_type), intent(in) :: train
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       integer :: i, modes
 

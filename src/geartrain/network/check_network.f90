@@ -25,7 +25,6 @@ contains
    subroutine check_network(train, checker)
       !> The plain train, with bodies, shafts and meshes.
       type(train_type), intent(in) :: train
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: before, carrier(size(train%meshes))

@@ -44,7 +44,6 @@ contains
    subroutine check_consistency(train, checker)
       !> The train, with any values.
       type(train_type), intent(in) :: train
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(train_type) :: plain
       integer :: shafts, meshes, i

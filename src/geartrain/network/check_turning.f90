@@ -24,7 +24,6 @@ contains
       type(train_type), intent(in) :: train
       !> Bodies of each mesh, (2, mesh), and its carrier, 0: none, (mesh).
       integer, intent(in) :: mesh_ends(:, :), carrier(:)
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(turning_type) :: turning
       integer :: i, ratios
@@ -138,7 +137,6 @@ contains
       integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :)
       !> Carrier of each mesh, 0: none, (mesh). Loops with carriers are not walked round.
       integer, intent(in) :: carrier(:)
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       !> Reduced radius [1] and sense of rotation of each body, and the body from which the search came, (body).
       real(dp) :: radius(size(train%bodies))

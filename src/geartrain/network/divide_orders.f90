@@ -14,7 +14,6 @@ contains
    pure subroutine divide_orders(times, system)
       !> Common divisor of the orders.
       integer, intent(in) :: times
-      !> Dimensionless system of the train.
       type(system_type), intent(inout) :: system
       integer :: j
 

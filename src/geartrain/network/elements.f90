@@ -270,7 +270,6 @@ contains
    !> without inertia, and a shaft end of a train without &body, counts with all bodies that are rigidly joined to it; a held body
    !> does not move.
    pure function vibrating(nodes, inertia, ends, own)
-      !> The nodes.
       class(nodes_type), intent(in) :: nodes
       !> Of the bodies [kg m^2], (body).
       real(dp), intent(in) :: inertia(:)

@@ -27,7 +27,6 @@ contains
 
    !> Finds the equal branches that have unknown meshes.
    subroutine find_equal_branches(system, sets)
-      !> The train.
       type(system_type), intent(in) :: system
       !> The sets, each of two branches or more.
       type(equal_branches_type), allocatable, intent(out) :: sets(:)
@@ -275,7 +274,6 @@ contains
 
    !> Whether two nodes have the same reduced mass, torques and damping, and neither balances the torques.
    pure logical function same_nodes(system, a, b)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Numbers of the nodes.
       integer, intent(in) :: a, b

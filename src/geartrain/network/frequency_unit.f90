@@ -23,7 +23,7 @@ contains
       character(:), allocatable :: word
 
       word = trim(unit)
-      call v%on_text(row('unit', '', 'unit of the frequencies; rpm only where every mesh has teeth', &
+      call v%on_text(row('unit', '', 'rpm only where every mesh has teeth', &
                          choices='Lambda rpm Hz'), word)
       unit = word
    end subroutine visit_unit
@@ -34,7 +34,6 @@ contains
       type(train_type), intent(in) :: train
       !> The unit.
       character(*), intent(in) :: unit
-      !> Gets the problem.
       class(checker_type), intent(inout) :: checker
 
       if (unit == 'Lambda' .or. checker%problems%of_train()) return

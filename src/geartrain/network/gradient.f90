@@ -67,7 +67,6 @@ contains
 
    !> Refuses names of no parameters, and of those that are not in force.
    subroutine check_parameters(train, names, error)
-      !> The train.
       type(train_type), intent(in) :: train
       !> Names of the parameters, (parameter).
       character(*), intent(in) :: names(:)
@@ -79,7 +78,6 @@ contains
 
    !> Finds the derivatives of the natural frequencies over characteristic frequency.
    subroutine frequency_gradient(train, names, gradient, error)
-      !> The train.
       type(train_type), intent(in) :: train
       !> Names of the parameters, (parameter).
       character(*), intent(in) :: names(:)
@@ -124,7 +122,6 @@ contains
    !> Finds the parameters and the system.
    subroutine setup(self, train, names, error)
       class(parameters_type), intent(inout) :: self
-      !> The train.
       type(train_type), intent(in) :: train
       !> Names of the parameters, (parameter).
       character(*), intent(in) :: names(:)

@@ -41,7 +41,6 @@ contains
       character(*), intent(in) :: name
       !> Frequency in `unit`.
       real(dp), intent(in) :: value
-      !> Gets the problem.
       class(checker_type), intent(inout) :: checker
       !> 'Lambda', 'rpm' or 'Hz'; absent: Lambda.
       character(*), intent(in), optional :: unit
@@ -83,7 +82,6 @@ contains
       type(train_type), intent(in) :: given
       !> Group of the analysis, for the message.
       character(*), intent(in) :: group
-      !> Gets the problem.
       class(checker_type), intent(inout) :: checker
       !> Whether the period can be taken.
       logical, intent(out), optional :: within
@@ -112,7 +110,6 @@ contains
       !> Number of harmonics of Lambda/subharmonic, 0: chosen by the program; sub-harmonic index; most harmonics that the program
       !> chooses, 0: it chooses none.
       integer, intent(in) :: harmonics, subharmonic, most
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(train_type) :: train
       type(system_type) :: system
@@ -170,7 +167,6 @@ contains
    subroutine check_stiffest(train, checker)
       !> The plain train.
       type(train_type), intent(in) :: train
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       type(nodes_type) :: nodes
       character(*), parameter :: units = 'are radii, inertias and stiffness in SI units?'

@@ -30,8 +30,7 @@ contains
       !> The visitor.
       class(visitor_type), intent(inout) :: v
 
-      call v%on_logical(row('long_period', '', 'allow periods of more than 500 mesh cycles, as of hunting teeth; takes minutes to &
-                            &days'), insists)
+      call v%on_logical(row('long_period', '', 'allow periods of more than 500 mesh cycles; takes minutes to days'), insists)
    end subroutine visit_long_period
 
    !> Adds a problem of the whole group where the period is long and the user does not insist; nothing for a train not `in_order`.
@@ -42,7 +41,6 @@ contains
       character(*), intent(in) :: group, why
       !> Value of its variable `long_period`.
       logical, intent(in) :: insists
-      !> Gets the problem.
       class(checker_type), intent(inout) :: checker
       character(:), allocatable :: words
 
@@ -62,7 +60,6 @@ contains
       character(*), intent(in) :: name, value, why
       !> Whether the case asks for the multipliers.
       logical, intent(in) :: insists
-      !> Gets the problem.
       class(checker_type), intent(inout) :: checker
       character(:), allocatable :: words
 

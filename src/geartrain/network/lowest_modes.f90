@@ -41,7 +41,6 @@ contains
    !> Takes a train; no modes are known.
    pure subroutine begin(self, system, factor)
       class(lowest_modes_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> Stiffness of each element over its mean stiffness, > 0 [1], (element).
       real(dp), intent(in) :: factor(:)

@@ -28,7 +28,6 @@ contains
    !> Finds the modes.
    subroutine setup(self, system, info)
       class(mode_shapes_type), intent(inout) :: self
-      !> The train.
       type(system_type), intent(in) :: system
       !> 0: LAPACK converged.
       integer, intent(out) :: info

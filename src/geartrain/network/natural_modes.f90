@@ -49,9 +49,7 @@ contains
 
    !> Computes the modes of a train.
    subroutine natural_modes(train, modes, error)
-      !> The train.
       type(train_type), intent(in) :: train
-      !> The modes.
       type(modes_type), intent(out) :: modes
       type(error_type), allocatable, intent(out) :: error
       type(system_type) :: system
@@ -147,7 +145,6 @@ contains
    !> Ranges that hold all natural frequencies: the lowest and the highest one of each range over characteristic frequency [1], (2,
    !> range). Within a range each natural frequency is at most `ratio` times the next lower one.
    pure function natural_frequency_ranges(system, ratio) result(ranges)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Ratio > 1 [1].
       real(dp), intent(in) :: ratio
@@ -225,7 +222,6 @@ contains
    !> Stiffness of each element at rest over its mean stiffness [1], (element): 1 except on back flanks of another stiffness; 0 of
    !> damping to ground.
    pure function stiffness_at_rest(system) result(stiffness)
-      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: stiffness(system%elements)
       integer :: j
@@ -241,7 +237,6 @@ contains
    !> Matrix of the mean system at rest, (state, state): the time derivative of a small difference of states is the matrix times the
    !> difference. p'' + W Gamma p' + W K p = 0, K the stiffness at rest.
    pure function state_matrix(system) result(matrix)
-      !> The train.
       type(system_type), intent(in) :: system
       real(dp) :: matrix(system%states, system%states)
       real(dp) :: a(2*system%coordinates, 2*system%coordinates), stiffness(system%elements)

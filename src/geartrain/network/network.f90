@@ -43,7 +43,6 @@ contains
    pure subroutine build_network(train, network, unknown, like)
       !> A plain train (geartrain_drawing_drawing) that has passed `check_train`.
       type(train_type), intent(in) :: train
-      !> The network.
       type(network_type), intent(out) :: network
       !> Meshes that are unknowns in any case, (mesh).
       logical, intent(in), optional :: unknown(:)
@@ -89,7 +88,6 @@ contains
 
    !> Sets the mean torques of the balancing bodies: the torques do no work on a rigid motion.
    pure subroutine balance_torques(network, torque)
-      !> The network.
       type(network_type), intent(in) :: network
       !> Mean torques on the bodies [N m], (body).
       real(dp), intent(inout) :: torque(:)
@@ -115,7 +113,6 @@ contains
 
    !> Whether the torques of the balancing bodies can balance all others: they do work on every rigid motion.
    pure logical function balances(network)
-      !> The network.
       type(network_type), intent(in) :: network
       real(dp) :: work(size(network%balancing), size(network%balancing)), scale(size(network%balancing))
       integer :: pivot(size(network%balancing)), i, info

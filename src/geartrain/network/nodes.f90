@@ -30,9 +30,7 @@ contains
 
    !> Makes the nodes, numbered in the order of their first bodies.
    pure subroutine join_rigid(train, nodes)
-      !> The train.
       type(train_type), intent(in) :: train
-      !> The nodes.
       class(nodes_type), intent(inout) :: nodes
       real(dp), dimension(body_count(train)) :: inertia, torque
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)

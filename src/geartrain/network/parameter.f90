@@ -82,7 +82,6 @@ contains
 
    !> Number of groups of a kind; 0 also for the group &train.
    pure integer function group_count(train, group)
-      !> The train.
       type(train_type), intent(in) :: train
       !> 'body', 'shaft', 'mesh', 'coupling' or 'bearing'.
       character(*), intent(in) :: group
@@ -103,73 +102,29 @@ contains
       type(table_type), intent(in) :: given, derived
       !> The name.
       character(*), intent(in) :: name
-      !> The parameter.
       type(parameter_type), intent(out) :: parameter
       !> Added to where the train has no such parameter.
       type(error_type), allocatable, intent(inout) :: error
-      type(entry_type) :: row, of_plain
-      character(:), allocatable :: rest, which
-      real(dp) :: value
-      integer :: at, found
+      type(entry_type) :: row
+      integer :: found
 
-      rest = trim(adjustl(name))
-      if (rest == variation) then
-         parameter%variable = rest
+      if (adjustl(name) == variation) then
+         parameter%variable = variation
          parameter%value = largest_variation(plain%meshes)
          if (.not. parameter%value > 0) call refuse('no mesh stiffness varies')
-         if (any([(has_loads(train%meshes(at)), at=1, size(train%meshes))])) &
+         if (any([(has_loads(train%meshes(found)), found=1, size(train%meshes))])) &
             call refuse('the variation of a mesh with table_loads is given at each load: change stiffness_table')
          return
       end if
-      at = index(rest, ' ', back=.true.)
-      if (at > 0 .and. whole_number(rest(at + 1:)) >= 0) then
-         parameter%item = whole_number(rest(at + 1:))
-         ! They are numbered from 1; 0 tells that no number is given.
-         if (parameter%item == 0) parameter%item = beyond_any
-         rest = trim(rest(:at))
-         at = index(rest, ' ', back=.true.)
-      end if
-      parameter%variable = rest(at + 1:)
-      rest = trim(rest(:at))
-      parameter%group = 'train'
-      parameter%index = 1
-      if (is_body(rest)) then
-         parameter%group = 'body'
-         which = rest
-         call find_group()
-      else if (rest /= '') then
-         at = index(rest//' ', ' ')
-         parameter%group = rest(:at - 1)
-         which = trim(adjustl(rest(at:)))
-         call find_group()
-         if (parameter%index < 0) return
-      end if
+      call read_name()
+      if (parameter%index < 0) return
       call given%find(parameter, found, row, parameter%value)
       if (found > 0 .and. row%values == 1 .and. parameter%item == 0) then
          parameter%item = 1
          call given%find(parameter, found, row, parameter%value)
       end if
       parameter%unit = row%unit
-      parameter%plain = any(plain_variables == parameter%variable)
-      parameter%direct = parameter%plain .and. .not. adds_to_table()
-      if (parameter%direct .and. .not. (is_given(row) .and. abs(parameter%value) > 0)) then
-         call derived%find(parameter, found, of_plain, value)
-         parameter%derived = is_given(of_plain) .and. (.not. is_given(row) .or. abs(value) > 0)
-         if (parameter%derived) row = of_plain
-         if (parameter%derived) parameter%value = value
-      end if
-      ! A face width may mean a stiffness that depends on the loads.
-      if (any(train%meshes%face_width > 0)) parameter%direct = .false.
-      if (any(turned_variables == parameter%variable) .and. any(abs(train%meshes%phase) > 0)) parameter%direct = .false.
-      if (any(summed_variables == parameter%variable)) then
-         if (any(has_gear_error(train%meshes%gear_error(1)) .or. has_gear_error(train%meshes%gear_error(2)) .or. &
-                 [(allocated(train%meshes(at)%error_table), at=1, size(train%meshes))])) parameter%direct = .false.
-      end if
-      ! Further rows of a bearing follow from x.
-      if (parameter%group == 'bearing' .and. any(train%meshes%flats > 4)) parameter%direct = .false.
-      ! Damping that follows from the modes changes with every number that they follow from.
-      if (damps_by_modes(train) .and. any(modal_variables == parameter%variable)) parameter%direct = .false.
-      parameter%direct = parameter%direct .or. parameter%derived
+      call find_kind()
       if (found == 0) then
          call refuse('no variable of &'//trim(parameter%group)//trim(suggestion()))
       else if (.not. row%continuous) then
@@ -210,6 +165,64 @@ contains
          if (all(parameter%variable /= [character(13) :: 'stiffness_cos', 'stiffness_sin'])) return
          is_of_first_stage = any([(has_loads(train%meshes(i)) .and. any(parameter%index == [0, i]), i=1, size(train%meshes))])
       end function is_of_first_stage
+
+      !> Reads group, number, variable and value of a list from the name; the number is -1 where it is refused.
+      subroutine read_name()
+         character(:), allocatable :: rest
+         integer :: at
+
+         rest = trim(adjustl(name))
+         at = index(rest, ' ', back=.true.)
+         if (at > 0 .and. whole_number(rest(at + 1:)) >= 0) then
+            parameter%item = whole_number(rest(at + 1:))
+            ! They are numbered from 1; 0 tells that no number is given.
+            if (parameter%item == 0) parameter%item = beyond_any
+            rest = trim(rest(:at))
+            at = index(rest, ' ', back=.true.)
+         end if
+         parameter%variable = rest(at + 1:)
+         rest = trim(rest(:at))
+         parameter%group = 'train'
+         parameter%index = 1
+         if (is_body(rest)) then
+            parameter%group = 'body'
+            call find_group(rest)
+         else if (rest /= '') then
+            at = index(rest//' ', ' ')
+            parameter%group = rest(:at - 1)
+            call find_group(trim(adjustl(rest(at:))))
+         end if
+      end subroutine read_name
+
+      !> Finds whether the parameter is a number of the plain train, and whether other numbers follow from it.
+      subroutine find_kind()
+         type(entry_type) :: of_plain
+         real(dp) :: value
+         integer :: i
+
+         associate (variable => parameter%variable, direct => parameter%direct)
+            parameter%plain = any(plain_variables == variable)
+            direct = parameter%plain .and. .not. adds_to_table()
+            if (direct .and. .not. (is_given(row) .and. abs(parameter%value) > 0)) then
+               call derived%find(parameter, found, of_plain, value)
+               parameter%derived = is_given(of_plain) .and. (.not. is_given(row) .or. abs(value) > 0)
+               if (parameter%derived) row = of_plain
+               if (parameter%derived) parameter%value = value
+            end if
+            ! A face width may mean a stiffness that depends on the loads.
+            if (any(train%meshes%face_width > 0)) direct = .false.
+            if (any(turned_variables == variable) .and. any(abs(train%meshes%phase) > 0)) direct = .false.
+            if (any(summed_variables == variable)) then
+               if (any(has_gear_error(train%meshes%gear_error(1)) .or. has_gear_error(train%meshes%gear_error(2)) .or. &
+                       [(allocated(train%meshes(i)%error_table), i=1, size(train%meshes))])) direct = .false.
+            end if
+            ! Further rows of a bearing follow from x.
+            if (parameter%group == 'bearing' .and. any(train%meshes%flats > 4)) direct = .false.
+            ! Damping that follows from the modes changes with every number that they follow from.
+            if (damps_by_modes(train) .and. any(modal_variables == variable)) direct = .false.
+            direct = direct .or. parameter%derived
+         end associate
+      end subroutine find_kind
 
       !> Whether it is a stiffness or damping of a bearing with more than four flats.
       logical function is_of_flats()
@@ -290,7 +303,9 @@ contains
       end function is_body
 
       !> Sets the number of the group, 0: all; -1: refused.
-      subroutine find_group()
+      subroutine find_group(which)
+         !> Number or name of the group.
+         character(*), intent(in) :: which
          integer :: groups, i
 
          groups = group_count(train, parameter%group)

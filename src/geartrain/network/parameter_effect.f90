@@ -21,7 +21,6 @@ contains
    logical function has_effect(train, parameter)
       !> The train as described.
       type(train_type), intent(in) :: train
-      !> The parameter.
       type(parameter_type), intent(in) :: parameter
       type(table_type) :: here, changed
       real(dp) :: step
@@ -51,7 +50,6 @@ contains
    subroutine derive(train, parameter, change, table, allowed)
       !> The train as described.
       type(train_type), intent(in) :: train
-      !> The parameter.
       type(parameter_type), intent(in) :: parameter
       !> The change [unit of the parameter].
       real(dp), intent(in) :: change

@@ -219,7 +219,6 @@ contains
       class(parameter_path_type), intent(in) :: self
       !> Value [unit of the parameter].
       real(dp), intent(in) :: value
-      !> The train.
       type(train_type), intent(out) :: train
       type(table_type) :: table
       integer :: i, j
@@ -256,7 +255,6 @@ contains
       class(parameter_path_type), intent(in) :: self
       !> Value [unit of the parameter].
       real(dp), intent(in) :: value
-      !> The system.
       type(system_type), intent(out) :: system
       type(train_type) :: train
 

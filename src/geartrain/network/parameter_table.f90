@@ -38,10 +38,10 @@ module geartrain_network_parameter_table
       logical :: in_force = .true., continuous = .true.
    end type entry_type
 
-   !> All variables of a train with their numbers, taken from it or given to it; or adds to a variable.
+   !> All variables of a train with their numbers; or adds to a variable.
    type, extends(visitor_type) :: table_type
-      !> 'take', 'give' or 'add'.
-      character(4) :: way = 'take'
+      !> Whether it adds to a variable; else it takes all of them.
+      logical :: adds = .false.
       !> The variables and their numbers in the order of the visits; how many there are.
       type(entry_type), allocatable :: row(:)
       real(dp), allocatable :: number(:)
@@ -59,7 +59,6 @@ module geartrain_network_parameter_table
       procedure :: on_list
       procedure :: on_names
       procedure :: take
-      procedure :: give
       procedure :: find
       procedure :: holds_more_than
       procedure, private :: meet
@@ -70,7 +69,6 @@ contains
 
    !> Adds to a parameter.
    subroutine add_to_parameter(train, parameter, change, allowed)
-      !> The train.
       type(train_type), intent(inout) :: train
       !> Its parameter, a variable.
       type(parameter_type), intent(in) :: parameter
@@ -80,7 +78,7 @@ contains
       logical, intent(out), optional :: allowed
       type(table_type) :: table
 
-      table%way = 'add'
+      table%adds = .true.
       table%variable = parameter%variable
       table%item = parameter%item
       table%change = change
@@ -111,23 +109,12 @@ contains
       !> The train; it is left as it is.
       type(train_type), intent(inout) :: train
 
-      self%way = 'take'
+      self%adds = .false.
       self%rows = 0
       self%numbers = 0
       if (.not. allocated(self%row)) allocate (self%row(256), self%number(256))
       call visit_model(train, self)
    end subroutine take
-
-   !> Sets all numbers of a train.
-   subroutine give(self, train)
-      class(table_type), intent(inout) :: self
-      !> The train that they were taken from, or another with lists of such lengths.
-      type(train_type), intent(inout) :: train
-
-      self%way = 'give'
-      self%numbers = 0
-      call visit_model(train, self)
-   end subroutine give
 
    !> Finds the variable of a parameter.
    pure subroutine find(self, parameter, found, row, value)
@@ -159,7 +146,6 @@ contains
       class(table_type), intent(in) :: self
       !> Of a train of the same groups.
       type(table_type), intent(in) :: other
-      !> The parameter.
       type(parameter_type), intent(in) :: parameter
       integer :: i
 
@@ -183,7 +169,7 @@ contains
       type(variable_type), intent(in) :: variable
       logical, intent(in) :: continuous
 
-      if (self%way /= 'take') return
+      if (self%adds) return
       if (self%rows == size(self%row)) self%row = [self%row, self%row]
       self%rows = self%rows + 1
       self%row(self%rows) = entry_type(self%group(:group_length), variable%name, variable%unit, self%index, continuous=continuous)
@@ -199,7 +185,7 @@ contains
       values = value
       call self%meet(variable, .not. variable%whole)
       call self%carry(variable, values)
-      if (self%way == 'take' .and. present(in_force)) self%row(self%rows)%in_force = in_force
+      if (present(in_force) .and. .not. self%adds) self%row(self%rows)%in_force = in_force
       value = values(1)
    end subroutine on_real
 
@@ -209,13 +195,13 @@ contains
       real(dp), allocatable, intent(inout) :: value(:)
 
       call self%meet(variable, .not. variable%whole)
-      if (self%way == 'take') self%row(self%rows)%values = 0
+      if (.not. self%adds) self%row(self%rows)%values = 0
       if (.not. allocated(value)) return
-      if (self%way == 'take') self%row(self%rows)%values = size(value)
+      if (.not. self%adds) self%row(self%rows)%values = size(value)
       call self%carry(variable, value)
    end subroutine on_list
 
-   !> Takes or gives the numbers of a variable, or adds to the number that is wanted.
+   !> Takes the numbers of a variable, or adds to the number that is wanted.
    subroutine carry(self, variable, values)
       class(table_type), intent(inout) :: self
       type(variable_type), intent(in) :: variable
@@ -223,20 +209,16 @@ contains
       integer :: n
 
       n = size(values)
-      if (self%way == 'add') then
+      if (self%adds) then
          if (variable%name /= self%variable .or. self%item > n) return
          n = max(1, self%item)
          values(n) = values(n) + self%change
          self%allowed = self%allowed .and. variable%allows(values(n))
          return
       end if
-      if (self%way == 'take') then
-         if (self%numbers + n > size(self%number)) self%number = [self%number, self%number, values]
-         self%row(self%rows)%first = self%numbers + 1
-         self%number(self%numbers + 1:self%numbers + n) = values
-      else
-         values = self%number(self%numbers + 1:self%numbers + n)
-      end if
+      if (self%numbers + n > size(self%number)) self%number = [self%number, self%number, values]
+      self%row(self%rows)%first = self%numbers + 1
+      self%number(self%numbers + 1:self%numbers + n) = values
       self%numbers = self%numbers + n
    end subroutine carry
 

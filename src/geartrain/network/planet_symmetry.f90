@@ -30,7 +30,6 @@ contains
    subroutine find_symmetries(train, system, symmetries)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
-      !> System of the train.
       type(system_type), intent(in) :: system
       !> The symmetric sets.
       type(symmetry_type), allocatable, intent(out) :: symmetries(:)

@@ -19,7 +19,6 @@ contains
 
    !> Computes receptance and excitation at one harmonic.
    pure subroutine find_receptance(system, frequency_ratio, harmonic, eta, r, derivatives)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -137,7 +136,6 @@ contains
 
    !> Forces of the sources in part p on its masses over b_c [N/m], and their derivatives with respect to omega, (mass).
    pure subroutine find_sources(system, p, omega, harmonic, eta, force, d_force)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Number of the part; harmonic >= 1 of Lambda/eta; sub-harmonic index.
       integer, intent(in) :: p, harmonic, eta
@@ -193,7 +191,6 @@ contains
 
    !> Computes the displacements of linear elements at one harmonic from the forces of the unknown meshes.
    pure subroutine linear_displacements(system, frequency_ratio, harmonic, eta, phi, p)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio

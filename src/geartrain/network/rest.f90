@@ -22,7 +22,6 @@ contains
 
    !> Computes the forces of the elements at rest.
    pure subroutine rest_forces(network, law, length, force, residual)
-      !> The network.
       type(network_type), intent(in) :: network
       !> Force law of each mesh, (mesh).
       type(law_type), intent(in) :: law(:)

@@ -33,7 +33,6 @@ contains
    subroutine check_scales(train, checker)
       !> The plain train.
       type(train_type), intent(in) :: train
-      !> Gets the problems.
       class(checker_type), intent(inout) :: checker
       real(dp) :: static, unit, largest, own
       !> Logarithms of the reduced radius and of the force by the mean torque at this radius, (body); of the displacement of each

@@ -33,7 +33,6 @@ contains
    pure subroutine find_speed_loads(train, network, torque_body, torque_gain, paths, loads)
       !> The plain train.
       type(train_type), intent(in) :: train
-      !> Its network.
       type(network_type), intent(in) :: network
       !> Body of each fluctuating torque, (torque).
       integer, intent(in) :: torque_body(:)

@@ -94,7 +94,6 @@ contains
    pure subroutine build_system(given, system, acceleration, unknown, like)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: given
-      !> The system.
       type(system_type), intent(out) :: system
       !> Rate of change of Lambda over time times characteristic frequency [1]; absent: 0. The mean torques are less by what
       !> accelerates the inertias where the teeth tell how fast the bodies turn. The meshes keep their stiffness, which follows the
@@ -188,7 +187,6 @@ contains
 
    !> Takes the mean torques at a speed, where torques follow it: all static forces become those at this speed.
    pure subroutine put_speed(system, frequency_ratio)
-      !> The train.
       type(system_type), intent(inout) :: system
       !> Lambda [1], > 0.
       real(dp), intent(in) :: frequency_ratio
@@ -199,7 +197,6 @@ contains
 
    !> Force of each element at rest under the mean torques at a speed, over k b_c [1], (element).
    pure function static_forces_at(system, frequency_ratio) result(force)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Lambda [1], > 0.
       real(dp), intent(in) :: frequency_ratio
@@ -309,7 +306,6 @@ contains
    !> times the displacement of the element from the velocities. (The force jumps by `jump` times the mesh velocity, and the
    !> saltation matrix divides by this velocity.)
    pure subroutine shear(system, element, jump, displacement, velocity)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Element of the mesh.
       integer, intent(in) :: element

@@ -30,7 +30,6 @@ contains
 
    !> Finds the largest eigenvalues.
    pure subroutine eigenvalues_of(system, factor, values, info, vectors)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Factors >= 0 of the elements, (element).
       real(dp), intent(in) :: factor(:)
@@ -75,7 +74,6 @@ contains
 
    !> The largest eigenvalue [1].
    pure real(dp) function largest_eigenvalue(system, factor)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Factors >= 0 of the elements, (element).
       real(dp), intent(in) :: factor(:)
@@ -90,7 +88,6 @@ contains
    !> Ranges that hold all eigenvalues > 0: the lowest and the highest eigenvalue of each range [1], (2, range). Within a range each
    !> eigenvalue is at most `ratio` times the next lower one.
    pure function eigenvalue_ranges(system, factor, ratio) result(ranges)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Factors >= 0 of the elements, (element); ratio > 1 [1].
       real(dp), intent(in) :: factor(:), ratio
@@ -122,7 +119,6 @@ contains
 
    !> Makes K and I.
    pure subroutine make_pencil(system, factor, pencil)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Factors >= 0 of the elements, (element).
       real(dp), intent(in) :: factor(:)

@@ -39,7 +39,6 @@ contains
    pure subroutine find_torque_paths(train, network, torque_body, paths)
       !> The plain train.
       type(train_type), intent(in) :: train
-      !> Its network.
       type(network_type), intent(in) :: network
       !> Body of each fluctuating torque, (torque).
       integer, intent(in) :: torque_body(:)

@@ -25,7 +25,6 @@ contains
 
    !> Units of the metric in which branches of a train are traced.
    pure type(units_type) function units_of(system) result(units)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
 
       units%length = length_unit_of(system)
@@ -47,7 +46,6 @@ contains
 
    !> Frequency at which each mesh vibrates alone on the flank that bears its mean load, over characteristic frequency [1], (mesh).
    pure function mesh_frequencies(system) result(frequency)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       real(dp) :: frequency(system%meshes), stiff(system%elements)
 
@@ -72,7 +70,6 @@ contains
 
    !> Unit of displacement of the motions of a train, over characteristic length [1].
    pure real(dp) function length_unit_of(system) result(length)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       real(dp) :: drive, gap
 
@@ -85,7 +82,6 @@ contains
 
    !> Unit of displacement of motions that cross the gap, over characteristic length [1]: amplitude limits are multiples of it.
    pure real(dp) function largest_unit(system)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
 
       largest_unit = max(largest_load(system), maxval(system%half_backlash))
@@ -94,7 +90,6 @@ contains
 
    !> Largest deflection of a mesh under the mean load, over characteristic length [1].
    pure real(dp) function largest_load(system)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
 
       largest_load = maxval(abs(system%static_force(system%mesh_element))/bearing_stiffness(system))
@@ -103,7 +98,6 @@ contains
    !> Largest displacement that a mean load, a transmission error or, in time with the meshes, a fluctuating torque would cause,
    !> over characteristic length [1]; 0: nothing excites the train.
    pure real(dp) function largest_drive(system)
-      !> Dimensionless system of the train.
       type(system_type), intent(in) :: system
       type(units_type) :: units
       integer :: i

@@ -62,12 +62,11 @@ contains
       type(contact_edge_type), allocatable :: edges(:)
       type(piece_type) :: piece
       type(solution_point_type) :: solution
-      real(dp) :: first, last
       real(dp), allocatable :: gap(:, :), ends(:, :)
       integer, allocatable :: stages(:)
-      integer :: i, j, k, n, stage, same, before
+      integer :: i, j, k, n, stage, before
       logical, allocatable :: staged(:)
-      logical :: shot, ready, success, keep_going, back
+      logical :: shot, ready, keep_going, back
 
       if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
       if (branch%points < 2) return
@@ -95,34 +94,7 @@ contains
                back = k == 2
                stage = no_stage
                if (k > 2) stage = stages(k - 2)
-               first = depth(j, branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
-               last = depth(j, branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j), back)
-               if (first*last >= 0 .or. n == most_edges) cycle
-               if (.not. (ready .or. shot)) call prepare_piece(i)
-               ready = .true.
-               n = n + 1
-               edges(n)%point = i
-               edges(n)%mesh = j
-               edges(n)%back = back
-               edges(n)%stage = stage
-               ends(:, n) = [first, last]
-               same = edge_alike()
-               if (same > 0) then
-                  edges(n)%frequency_ratio = edges(same)%frequency_ratio
-                  edges(n)%rms = edges(same)%rms
-                  cycle
-               end if
-               if (shot) then
-                  ! Without a balance to solve, on the chord between the points.
-                  associate (share => first/(first - last), at => branch%frequency_ratio(i:i + 1), rms => branch%rms(:, i:i + 1))
-                     edges(n)%frequency_ratio = at(1) + share*(at(2) - at(1))
-                     edges(n)%rms = rms(:, 1) + share*(rms(:, 2) - rms(:, 1))
-                  end associate
-                  cycle
-               end if
-               call locate(j, back, first, last, edges(n)%frequency_ratio, success)
-               if (success) edges(n)%rms = rms_of(tracer%corrector, solution)
-               if (.not. success) n = n - 1
+               call add_edge(j)
             end do
          end do
          if (.not. (ready .and. present(observer))) cycle
@@ -134,8 +106,46 @@ contains
 
    contains
 
+      !> Adds the edge of mesh j in the piece from point i to the next, where the piece has one.
+      subroutine add_edge(j)
+         integer, intent(in) :: j
+         real(dp) :: first, last
+         logical :: success
+         integer :: same
+
+         first = depth(j, branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
+         last = depth(j, branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j), back)
+         if (first*last >= 0 .or. n == most_edges) return
+         if (.not. (ready .or. shot)) call prepare_piece(i)
+         ready = .true.
+         n = n + 1
+         ends(:, n) = [first, last]
+         associate (edge => edges(n), share => first/(first - last), at => branch%frequency_ratio(i:i + 1), &
+                    rms => branch%rms(:, i:i + 1))
+            edge%point = i
+            edge%mesh = j
+            edge%back = back
+            edge%stage = stage
+            same = edge_alike(j)
+            if (same > 0) then
+               edge%frequency_ratio = edges(same)%frequency_ratio
+               edge%rms = edges(same)%rms
+            else if (shot) then
+               ! Without a balance to solve, on the chord between the points.
+               edge%frequency_ratio = at(1) + share*(at(2) - at(1))
+               edge%rms = rms(:, 1) + share*(rms(:, 2) - rms(:, 1))
+            else
+               call locate(j, back, first, last, edge%frequency_ratio, success)
+               if (success) edge%rms = rms_of(tracer%corrector, solution)
+               if (.not. success) n = n - 1
+            end if
+         end associate
+      end subroutine add_edge
+
       !> Number of an edge of this piece that is located already, of a mesh with the depths of mesh j at both ends; 0: none.
-      pure integer function edge_alike()
+      pure integer function edge_alike(j)
+         integer, intent(in) :: j
+
          do edge_alike = n - 1, before + 1, -1
             associate (edge => edges(edge_alike))
                if ((edge%back .neqv. back) .or. edge%stage /= stage .or. stage /= no_stage) cycle

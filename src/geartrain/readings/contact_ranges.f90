@@ -18,7 +18,6 @@ contains
    !> Ranges of Lambda with |p| < b at some instant, ascending. Their ends are where the smallest displacement is b: as
    !> locate_contact_edges found them, or interpolated between two points.
    pure function separation_ranges(branch, mesh, stable_only) result(ranges)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Number of the mesh.
       integer, intent(in) :: mesh
@@ -32,7 +31,6 @@ contains
 
    !> Ranges of Lambda with p < -b at some instant, ascending.
    pure function back_collision_ranges(branch, mesh, stable_only) result(ranges)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Number of the mesh.
       integer, intent(in) :: mesh
@@ -47,7 +45,6 @@ contains
    !> Ranges of Lambda with p > b at some instant, ascending: where a mesh loaded on its coast flank hits its drive flank. Their
    !> ends are interpolated between two points.
    pure function drive_collision_ranges(branch, mesh, stable_only) result(ranges)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Number of the mesh.
       integer, intent(in) :: mesh

@@ -24,7 +24,6 @@ contains
 
    !> The branch between points i and i + 1.
    pure type(arc_type) function arc_between(branch, mesh, i) result(arc)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Number of the mesh; index of the point.
       integer, intent(in) :: mesh, i
@@ -69,7 +68,6 @@ contains
 
    !> Rms of each mesh at a value of Lambda between points i and i + 1 [1], (mesh).
    pure function rms_at(branch, i, frequency_ratio) result(rms)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Index of the first point.
       integer, intent(in) :: i
@@ -93,7 +91,6 @@ contains
    !> Length of the chord between two points of a branch, in Lambda and rms [1]; over a parameter in its share of the branch and the
    !> share of the largest rms.
    pure real(dp) function way_between(branch, i, j) result(way)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Indices of the points.
       integer, intent(in) :: i, j

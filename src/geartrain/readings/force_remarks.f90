@@ -19,7 +19,6 @@ contains
 
    !> The error of the largest force of each mesh in words, 'error 0.5 %'; '' for a refined motion, which is exact.
    subroutine find_errors(branch, train, largest, words)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> The train as given.
       type(train_type), intent(in) :: train

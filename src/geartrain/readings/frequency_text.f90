@@ -66,7 +66,6 @@ contains
 
    !> How the free parameter of a branch is told.
    pure type(frequency_text_type) function text_for(branch, train, unit) result(told)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> The train as given.
       type(train_type), intent(in) :: train

@@ -22,13 +22,11 @@ contains
 
    !> Adds a sentence for each jump; in a short report for the jumps with the largest change of amplitude.
    subroutine say_jumps(branch, train, told, sheet)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> The train as given.
       type(train_type), intent(in) :: train
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       type(jump_type), allocatable :: found(:)
       type(length_text_type) :: lengths

@@ -35,7 +35,6 @@ contains
       type(train_type), intent(in) :: train
       !> Settings with which the branch was traced.
       type(response_settings_type), intent(in) :: settings
-      !> Traced branch.
       type(branch_type), intent(in) :: branch
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -69,7 +68,6 @@ contains
    subroutine record_crossings(tracer, branch, frequency_ratio, found)
       !> Tracer after `begin_trace` with the settings of the branch, its recorder set up for `found`.
       type(tracer_type), intent(inout) :: tracer
-      !> Traced branch.
       type(branch_type), intent(in) :: branch
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -260,7 +258,6 @@ contains
       type(train_type), intent(in) :: train
       !> Settings with which the branch was traced.
       type(response_settings_type), intent(in) :: settings
-      !> Traced branch.
       type(branch_type), intent(in) :: branch
       !> Motion with its coefficients.
       type(motion_type), intent(in) :: motion

@@ -35,7 +35,6 @@ contains
 
    !> Local maxima of the rms of `mesh`, in the order of the branch.
    pure function peaks(branch, mesh) result(found)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Number of the mesh.
       integer, intent(in) :: mesh
@@ -63,7 +62,6 @@ contains
 
    !> Lambda of the folds, ascending.
    pure function folds(branch) result(frequency_ratio)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       real(dp), allocatable :: frequency_ratio(:)
       integer :: i
@@ -79,7 +77,6 @@ contains
    !> Ranges of Lambda that the branch spans without a stable point at any of its levels, ascending; none where stability is not
    !> known. A range is undecided if it would vanish with every undecided point taken as stable.
    pure function bands_without_stability(branch) result(bands)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       type(band_type), allocatable :: bands(:), certain(:)
       integer :: i
@@ -202,7 +199,6 @@ contains
    !> Lambda at which stability changes between points i and i + 1: at a special point between them, or a fold that is one of them,
    !> else halfway.
    pure real(dp) function change(branch, i)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Index of the first of the two points.
       integer, intent(in) :: i

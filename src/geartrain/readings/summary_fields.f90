@@ -18,11 +18,9 @@ contains
 
    !> Visits all groups of figures of a branch.
    subroutine visit_summary(branch, home, fields)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Path of the group of the branch.
       character(*), intent(in) :: home
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
 
       call visit_peaks(branch, home, fields)
@@ -34,11 +32,9 @@ contains
 
    !> Visits the peaks of all meshes.
    subroutine visit_peaks(branch, home, fields)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Path of the group of the branch.
       character(*), intent(in) :: home
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(peak_type), allocatable :: found(:)
       type(peak_type) :: peak
@@ -81,11 +77,9 @@ contains
 
    !> Visits the jumps of a sweep in speed.
    subroutine visit_jumps(branch, home, fields)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Path of the group of the branch.
       character(*), intent(in) :: home
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(jump_type), allocatable :: found(:)
       integer :: i, n
@@ -134,11 +128,9 @@ contains
 
    !> Visits the ranges of Lambda without a stable motion.
    subroutine visit_bands(branch, home, fields)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Path of the group of the branch.
       character(*), intent(in) :: home
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(band_type), allocatable :: found(:)
       integer :: i, n
@@ -165,13 +157,11 @@ contains
    !> Visits the ranges of separation or back collision of every mesh: of all motions and, where stability is known, of the stable
    !> motions.
    subroutine visit_ranges(branch, home, back, fields)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Path of the group of the branch.
       character(*), intent(in) :: home
       !> .true.: ranges of back collision; .false.: of separation.
       logical, intent(in) :: back
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(band_type), allocatable :: found(:), more(:)
       integer, allocatable :: mesh(:)

@@ -15,7 +15,6 @@ contains
 
    !> Writes an audit as text.
    subroutine audit_text(audit, train, unit, lines)
-      !> The audit.
       type(audit_type), intent(in) :: audit
       !> The train of the branch.
       type(train_type), intent(in) :: train

@@ -21,7 +21,6 @@ contains
    subroutine say_warnings(train, sheet)
       !> A train that has passed `check_train`.
       type(train_type), intent(in) :: train
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       type(text_type), allocatable :: warnings(:)
       integer :: i
@@ -39,7 +38,6 @@ contains
    subroutine say_error_phase(train, sheet)
       !> The train as given.
       type(train_type), intent(in) :: train
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       type(train_type) :: plain
       character(:), allocatable :: list

@@ -22,13 +22,11 @@ contains
    subroutine explain_coupling(train, system, damping, i, fields)
       !> The train as given.
       type(train_type), intent(in) :: train
-      !> Its system.
       type(system_type), intent(in) :: system
       !> Its damping.
       type(damping_explanation_type), intent(in) :: damping
       !> Number of the coupling, or of a direction of a bearing, among all meshes.
       integer, intent(in) :: i
-      !> Gets the fields.
       class(fields_type), intent(inout) :: fields
       character(label_length) :: labels(size(train%meshes))
       type(characteristic_type) :: found

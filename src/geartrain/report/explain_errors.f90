@@ -22,7 +22,6 @@ contains
       type(mesh_type), intent(in) :: mesh
       !> The mesh in plain numbers.
       type(mesh_type), intent(in) :: plain
-      !> Gets the fields.
       class(fields_type), intent(inout) :: fields
       character(:), allocatable :: words
       real(dp) :: mean

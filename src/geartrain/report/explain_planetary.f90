@@ -24,7 +24,6 @@ contains
 
    !> Makes the group of fields of a planetary set.
    subroutine explain_set(system, number, train, set, turning, speed_name, fields)
-      !> System of the train.
       type(system_type), intent(in) :: system
       !> Number of the set.
       integer, intent(in) :: number

@@ -52,7 +52,6 @@ contains
 
    !> Resonances of a branch over frequency, ascending; maxima of several meshes at nearly one speed are one resonance.
    subroutine find_resonances(branch, found)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> The resonances.
       type(resonance_type), allocatable, intent(out) :: found(:)
@@ -143,13 +142,11 @@ contains
    subroutine put_resonances(found, modes, train, told, sheet)
       !> The resonances.
       type(resonance_type), intent(in) :: found(:)
-      !> The modes.
       type(modes_type), intent(in) :: modes
       !> The train as given.
       type(train_type), intent(in) :: train
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> The report.
       type(sheet_type), intent(inout) :: sheet
       type(sources_type) :: sources
       type(train_type) :: plain

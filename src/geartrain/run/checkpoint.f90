@@ -147,7 +147,6 @@ contains
    subroutine take_up_checkpoint(path, case, results, error)
       !> Path of the checkpoint.
       character(*), intent(in) :: path
-      !> The case.
       type(case_type), intent(in) :: case
       !> The results so far.
       type(results_type), intent(out) :: results

@@ -17,7 +17,6 @@ contains
       character(*), intent(in) :: path
       !> The case of the results.
       type(case_type), intent(out) :: case
-      !> The results.
       type(results_type), intent(out) :: results
       type(error_type), allocatable, intent(out) :: error
       type(fields_type) :: fields

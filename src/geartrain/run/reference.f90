@@ -13,8 +13,10 @@ module geartrain_run_reference
    !> Groups whose items are motions.
    character(*), parameter :: of_motions(4) = [character(12) :: '/response', '/integration', '/attractors', '/basins']
    !> Datasets that stand beside others in every group: the page says beside which.
-   character(*), parameter :: companions(*) = [character(24) :: 'mesh_label', 'shaft_label', 'complex', 'speed', &
-      'fundamental_frequency', 'speed_from', 'speed_to']
+   character(*), parameter :: companions(*) = [character(24) :: 'mesh_label', 'shaft_label', 'held_label', 'coupling_label', &
+      'complex', 'speed', 'fundamental_frequency', 'speed_from', 'speed_to', 'ended_places']
+   !> Description of an attribute that the page states for all groups.
+   character(*), parameter :: of_all = 'why it ended, in words'
    !> Tables that describe a field, see share_of.
    integer, parameter :: own = 0, motions = 1, common = 2
 
@@ -61,7 +63,7 @@ contains
             associate (field => fields%groups(i)%fields(j))
                if (share_of(fields, i, j) /= common .or. has_before(fields, i, field, motions_only=.false.)) cycle
                text = text//'| `'//trim(field%about%name)//'` |'
-               call add_cell(field%about%unit, text)
+               call add_unit(field%about%unit, text)
                text = text//' '
                call add_meaning(field%about, text)
                text = text//' |'//newline
@@ -119,7 +121,7 @@ contains
          do i = 1, group%count
             associate (about => group%fields(i)%about)
                if (about%dimensions == '') then
-                  if (any(companions == about%name)) cycle
+                  if (any(companions == about%name) .or. about%description == of_all) cycle
                   attributes = attributes//'- `'//trim(about%name)//'`'
                   if (about%unit /= '' .and. about%unit /= '1') attributes = attributes//' ['//trim(about%unit)//']'
                   attributes = attributes//': '
@@ -186,11 +188,20 @@ contains
       text = text//'| `'//trim(about%name)//'` | '
       call add_with(trim(dimensions), ' ', ', ', text)
       text = text//' |'
-      call add_cell(about%unit, text)
+      call add_unit(about%unit, text)
       text = text//' '
       call add_meaning(about, text)
       text = text//' |'
    end subroutine add_row
+
+   !> Adds the cell of a unit; none where the field is dimensionless.
+   subroutine add_unit(unit, text)
+      character(*), intent(in) :: unit
+      character(:), allocatable, intent(inout) :: text
+
+      if (unit == '1') call add_cell('', text)
+      if (unit /= '1') call add_cell(unit, text)
+   end subroutine add_unit
 
    !> Adds the description of a field and when it exists.
    subroutine add_meaning(about, text)

@@ -40,7 +40,6 @@ contains
    subroutine write_results(path, case, results, error, seal)
       !> Path of the file.
       character(*), intent(in) :: path
-      !> The case.
       type(case_type), intent(in) :: case
       !> The results, which may be under way; unchanged.
       type(results_type), intent(inout) :: results
@@ -83,9 +82,7 @@ contains
 
    !> Visits the attributes of the file itself, which are not read back here but by open_results.
    subroutine visit_root(case, fields)
-      !> The case.
       type(case_type), intent(in) :: case
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       type(train_type) :: plain
       character(:), allocatable :: title, input, warnings
@@ -291,7 +288,6 @@ contains
       type(results_type), intent(inout), target :: results
       !> The case of the results.
       type(case_type), intent(in), target :: case
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
       !> Whether the figures of branches (peaks, jumps, ...) are computed and visited as well.
       logical, intent(in) :: summary

@@ -32,7 +32,6 @@ contains
       class(room_type), intent(inout) :: self
       !> Name of the analysis, as an observer gets it.
       character(*), intent(in) :: analysis
-      !> The case.
       type(case_type), intent(in) :: case
       !> The results so far; unchanged.
       type(results_type), intent(inout) :: results

@@ -27,11 +27,9 @@ contains
    !> error unless the run goes on from it. Bad input and a path that cannot be written are told before anything is computed; an
    !> analysis that ends early is told, with status_ended_early, after the results are written.
    subroutine run_case(case, path, results, error, observer, resume)
-      !> The case.
       type(case_type), intent(in), target :: case
       !> The HDF5 file; empty: write nothing.
       character(*), intent(in) :: path
-      !> The results.
       type(results_type), intent(out), target :: results
       type(error_type), allocatable, intent(out) :: error
       !> Told of each step; may end the work.
@@ -136,7 +134,6 @@ contains
    subroutine run_analysis(name, case, results, error, observer, start)
       !> Name of the analysis.
       character(*), intent(in) :: name
-      !> The case.
       type(case_type), intent(in), target :: case
       !> The results; a result of the analysis under way is taken up.
       type(results_type), intent(inout), target :: results

@@ -184,7 +184,6 @@ contains
 
    !> Makes room for the coefficients of further harmonics.
    subroutine widen(branch, orders)
-      !> The branch.
       type(branch_type), intent(inout) :: branch
       !> Harmonics of Lambda/subharmonic, ascending.
       integer, intent(in) :: orders(:)
@@ -214,7 +213,6 @@ contains
 
    !> Whether the balances of the branch carry sets of harmonics.
    pure logical function has_sets(branch)
-      !> A branch.
       type(branch_type), intent(in) :: branch
 
       has_sets = size(branch%orders) < branch%harmonics
@@ -222,7 +220,6 @@ contains
 
    !> Half backlash of a mesh at each point, over characteristic length [1], (point).
    pure function gap_along(branch, mesh) result(gap)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Number of the mesh.
       integer, intent(in) :: mesh
@@ -238,7 +235,6 @@ contains
 
    !> Harmonics that either of two points carries, ascending.
    pure function carried_by(branch, i, j) result(harmonic)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Indices of the points.
       integer, intent(in) :: i, j
@@ -266,7 +262,6 @@ contains
 
    !> Coefficients of every harmonic up to the highest, (1 + 2*harmonics, mesh), from those of `orders`.
    pure function dense_coefficients(branch, coefficients) result(dense)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Coefficients of its orders, (1 + 2*orders, mesh).
       real(dp), intent(in) :: coefficients(:, :)
@@ -282,7 +277,6 @@ contains
 
    !> Coefficients of every harmonic of a point up to the highest harmonic of the branch, (1 + 2*harmonics, mesh).
    pure function coefficients_of(branch, i) result(dense)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Index of the point.
       integer, intent(in) :: i

@@ -21,7 +21,6 @@ contains
       type(branch_type), intent(inout) :: branch
       !> Path of the group.
       character(*), intent(in) :: home
-      !> The fields of the results.
       class(fields_type), intent(inout) :: fields
 
       if (.not. fields%enter(home, 'periodic motions along a branch, through its folds', .true.)) return

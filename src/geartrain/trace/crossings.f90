@@ -30,7 +30,6 @@ contains
    !> Finds the branch points in a step, and those at which equal branches begin to move differently.
    !> Where motions of unequal branches cross one of equal branches both are there: they count as one.
    subroutine find_crossings(corrector, here, next, h, crosses, success, found)
-      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> Ends of the step.
       type(solution_point_type), intent(in) :: here, next

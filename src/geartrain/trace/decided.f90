@@ -13,7 +13,6 @@ contains
 
    !> Whether the stability of a point is undecided; false for a branch without stability.
    pure logical function is_undecided(branch, i)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Index of the point.
       integer, intent(in) :: i
@@ -92,7 +91,6 @@ contains
 
    !> Whether points i and i + 1 are neighbours on the branch: of one segment.
    pure logical function joined(branch, i)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Index of the first point, less than branch%points.
       integer, intent(in) :: i

@@ -16,7 +16,6 @@ contains
 
    !> Name of the fields of the free parameter.
    pure function free_name(branch) result(name)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       character(9) :: name
 
@@ -26,7 +25,6 @@ contains
 
    !> Unit of the free parameter.
    pure function free_unit(branch) result(unit)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       character(12) :: unit
 
@@ -36,7 +34,6 @@ contains
 
    !> Visits the value of the free parameter at a place on a branch.
    subroutine carry_free(branch, fields, value)
-      !> The branch.
       type(branch_type), intent(in) :: branch
       !> The fields of the results, at an item of a list.
       class(fields_type), intent(inout) :: fields

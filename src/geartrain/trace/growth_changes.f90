@@ -23,7 +23,6 @@ contains
 
    !> Lists the change of stability between two neighbouring points of a branch, if any, as a special point.
    subroutine add_growth_change(corrector, monodromy, here, next, before, after, branch)
-      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Work space, set up for the system.
       type(monodromy_type), intent(inout) :: monodromy

@@ -28,7 +28,6 @@ contains
 
    !> Lists the pairs of changes of stability in some steps of a branch. An interrupt drops them: the run that goes on finds them.
    subroutine add_hidden_changes(corrector, monodromy, first, last, branch, kept)
-      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy
@@ -52,7 +51,6 @@ contains
 
    !> Lists the pairs of changes of stability between point i and point i + 1 of a branch.
    subroutine add_in_step(corrector, monodromy, i, branch)
-      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy

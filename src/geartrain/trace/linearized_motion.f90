@@ -29,7 +29,6 @@ contains
    subroutine prepare(corrector, system, motion)
       !> Gets the balance.
       type(corrector_type), intent(inout) :: corrector
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> A periodic motion with its coefficients.
       type(motion_type), intent(in) :: motion
@@ -41,9 +40,7 @@ contains
 
    !> Plans a balance with the harmonics of a motion.
    subroutine prepare_balance(balance, system, motion)
-      !> The balance.
       type(balance_type), intent(inout) :: balance
-      !> The train.
       type(system_type), pointer, intent(in) :: system
       !> A periodic motion with its coefficients.
       type(motion_type), intent(in) :: motion
@@ -64,7 +61,6 @@ contains
 
    !> A motion as a guess of a solution on the harmonics of a balance.
    function solution_on(balance, motion) result(solution)
-      !> The balance.
       type(balance_type), intent(in) :: balance
       !> A periodic motion with its coefficients.
       type(motion_type), intent(in) :: motion
@@ -82,7 +78,7 @@ contains
    end function solution_on
 
    !> Evaluates the balance and factors dS/du, bordered.
-   subroutine factor(corrector, solution, row, corner, regular, column)
+   subroutine factor(corrector, solution, row, corner, regular)
       !> After `prepare`.
       type(corrector_type), intent(inout) :: corrector
       !> Where.
@@ -91,14 +87,11 @@ contains
       real(dp), intent(in) :: row(:, :), corner
       !> The matrix is not singular.
       logical, intent(out) :: regular
-      !> Border column in place of dS/dLambda, (block, unknown).
-      real(dp), intent(in), optional :: column(:, :)
 
       associate (balance => corrector%balance, matrix => corrector%matrix)
          call balance%evaluate(solution%u, solution%frequency_ratio)
          if (size(balance%harmonic) <= most_explicit) call balance%make_explicit(size(balance%harmonic))
          call matrix%linearize(balance)
-         if (present(column)) matrix%column = column
          matrix%row = row
          matrix%corner = corner
          call matrix%factor(balance, regular)

@@ -14,7 +14,6 @@ contains
 
    !> Point i as a motion: period, Lambda and coefficients.
    pure type(motion_type) function motion_of(branch, i) result(motion)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Index of the point.
       integer, intent(in) :: i
@@ -26,7 +25,6 @@ contains
 
    !> How often the motions of a branch go through their waveform within the period.
    pure integer function repeats_of(branch, system)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Dimensionless system of its train.
       type(system_type), intent(in) :: system
@@ -102,7 +100,6 @@ contains
    !> Whether two points have bitwise equal Lambda and equal motions. Motions of different numbers of harmonics may differ by three
    !> times their error estimates.
    pure logical function is_same_point(branch, i, j)
-      !> A branch.
       type(branch_type), intent(in) :: branch
       !> Indices of the two points.
       integer, intent(in) :: i, j

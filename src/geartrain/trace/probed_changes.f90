@@ -48,7 +48,6 @@ contains
 
    !> Lists the changes of stability between two neighbouring points of a branch as special points.
    subroutine add_stability_changes(corrector, monodromy, here, next, before, after, branch, hidden)
-      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy

@@ -74,7 +74,6 @@ contains
 
    !> Sets what a branch has before its first point.
    subroutine begin_branch(system, subharmonic, harmonics, shaft_torque, branch, path)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Period of the motions [periods of the fundamental]; harmonics of Lambda/subharmonic.
       integer, intent(in) :: subharmonic, harmonics
@@ -120,7 +119,6 @@ contains
       type(error_estimate_type), intent(in) :: estimate
       !> Number of its segment.
       integer, intent(in) :: segment
-      !> The branch.
       type(branch_type), intent(inout), target :: branch
       real(dp) :: coefficients(balance%block, balance%system%meshes)
       type(assessment_type) :: assessment

@@ -108,7 +108,6 @@ contains
 
    !> Checks values of &response against one another and against the train.
    subroutine check_response_consistency(train, settings, seeded, checker)
-      !> The train.
       type(train_type), intent(in) :: train
       !> The settings.
       type(response_settings_type), intent(in) :: settings

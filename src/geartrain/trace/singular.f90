@@ -53,7 +53,6 @@ contains
    !> Plans the balances and correctors of the search.
    subroutine setup(self, corrector, systems, doubles, group)
       class(singular_type), intent(inout) :: self
-      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> Room for the systems that the two balances work on.
       type(system_type), pointer, intent(in) :: systems(:)

@@ -28,7 +28,6 @@ contains
 
    !> Finds the branch point near a point of a branch.
    subroutine find_crossing(corrector, here, h, group, frequency_ratio, rms, way, success)
-      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> Point of the branch from which to search.
       type(solution_point_type), intent(in) :: here

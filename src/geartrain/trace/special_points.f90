@@ -121,7 +121,6 @@ contains
 
    !> The rms of a solution point on which the corrector worked last [1], (mesh).
    function rms_of(corrector, solution)
-      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> The solution point.
       type(solution_point_type), intent(in) :: solution

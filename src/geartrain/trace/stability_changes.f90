@@ -70,7 +70,6 @@ contains
 
    !> Halves the piece from a to b until each change is alone, or all remaining changes are simultaneous.
    recursive subroutine separate(corrector, monodromy, piece, a, b, first, last, after, branch)
-      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy
@@ -272,7 +271,6 @@ contains
    !> next to a resonance without damping, s becomes another distance between a and b; where it fails at all of them, `solution` is
    !> a point of the cubic.
    subroutine find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
-      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy

@@ -15,7 +15,6 @@ contains
 
    !> Stages that a vibration may reach: all but that of rest, the gap, and the flanks where the gap ends.
    pure function stages_of(system, mesh) result(stages)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Number of the mesh.
       integer, intent(in) :: mesh
@@ -52,7 +51,6 @@ contains
 
    !> Least distance of a motion from a stage over characteristic length [1]; negative: the stage is reached.
    pure real(dp) function depth_of_stage(system, mesh, stage, smallest, largest) result(depth)
-      !> The train.
       type(system_type), intent(in) :: system
       !> Number of the mesh; number of the stage.
       integer, intent(in) :: mesh, stage

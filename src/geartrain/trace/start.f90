@@ -137,7 +137,6 @@ contains
       type(train_type), intent(in) :: train
       !> Settings of the branch.
       type(response_settings_type), intent(in) :: settings
-      !> The branch.
       type(branch_type), intent(in) :: branch
       type(response_settings_type) :: doubled
       type(system_type), target :: systems(2)

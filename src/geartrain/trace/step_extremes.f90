@@ -48,7 +48,6 @@ contains
    !> Finds the quantities of a solution point.
    subroutine find(self, corrector, transform, solution)
       class(quantities_type), intent(inout) :: self
-      !> Corrector of the branch.
       type(corrector_type), intent(inout) :: corrector
       !> Work space.
       type(transform_type), intent(inout) :: transform

@@ -32,7 +32,6 @@ contains
 
    !> Guess of the next point: on the cubic through the latest two points, where they serve, else along the tangent.
    subroutine predict(corrector, before, here, h, guess, base)
-      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> The point before the latest one; its coefficients are not allocated where there is none.
       type(solution_point_type), intent(in) :: before
@@ -131,7 +130,6 @@ contains
 
    !> Whether the next step closes the branch: `origin` lies ahead, within the step and near to the guess of a step to it.
    logical function closes(corrector, before, here, origin, h, gap)
-      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> The point before the latest one, see `predict`; the latest point and the first point of the branch, with their tangents.
       type(solution_point_type), intent(in) :: before, here, origin
@@ -184,7 +182,6 @@ contains
    !> Distance of the branch from the cubic through two points above which a step between them is refused [1]; it grows with the
    !> length of the coefficients above `large`.
    pure real(dp) function curve_limit(corrector, solution)
-      !> Corrector of the branch.
       type(corrector_type), intent(in) :: corrector
       !> A point of the step.
       type(solution_point_type), intent(in) :: solution

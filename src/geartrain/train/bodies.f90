@@ -23,7 +23,6 @@ contains
 
    !> Inertias and mean torques of the bodies.
    pure subroutine bodies_of(train, inertia, torque, balancing, held)
-      !> The train.
       type(train_type), intent(in) :: train
       !> Polar moments of inertia [kg m^2] and mean torques as given [N m], (body); the torque by which the last body of a chain
       !> balances the others is not given: 0.
@@ -55,7 +54,6 @@ contains
 
    !> Numbers of the bodies that shafts and meshes join.
    pure subroutine find_ends(train, shafts, meshes)
-      !> The train.
       type(train_type), intent(in) :: train
       !> Bodies at the two ends of each shaft, (2, shaft), and of each mesh, (2, mesh); 0: no body has the name.
       integer, allocatable, intent(out) :: shafts(:, :), meshes(:, :)
@@ -81,7 +79,6 @@ contains
 
    !> Numbers of the bodies that carry the gears of meshes.
    pure subroutine find_carriers(train, carrier)
-      !> The train.
       type(train_type), intent(in) :: train
       !> The carrier of each mesh; 0: none, -1: no body has the name, (mesh).
       integer, intent(out) :: carrier(:)

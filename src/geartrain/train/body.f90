@@ -56,7 +56,6 @@ contains
 
    !> Whether a body has a table of its torque.
    elemental logical function has_table_of_torque(body) result(has)
-      !> The body.
       type(body_type), intent(in) :: body
 
       has = .false.
@@ -65,7 +64,6 @@ contains
 
    !> Whether the mean torque of a body follows its speed.
    elemental logical function follows_speed(body) result(follows)
-      !> The body.
       type(body_type), intent(in) :: body
 
       follows = abs(body%torque_speed_exponent) > 0
@@ -73,7 +71,6 @@ contains
 
    !> Whether a body has a torque that repeats itself with its revolution.
    elemental logical function pulses(body)
-      !> The body.
       type(body_type), intent(in) :: body
 
       pulses = has_table_of_torque(body)
@@ -83,7 +80,6 @@ contains
 
    !> Replaces the table of the torque by its mean, which adds to the mean torque, and harmonics.
    pure subroutine plain_torque(body)
-      !> The body.
       type(body_type), intent(inout) :: body
       real(dp), allocatable :: cosine(:), sine(:)
       real(dp) :: mean

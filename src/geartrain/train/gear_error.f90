@@ -42,23 +42,35 @@ contains
       logical :: given
 
       which = trim(gear_words(gear))
-      call v%on_list(row(which//'_pitch_error', 'm', 'cumulative pitch errors of the '//which//' gear, one a tooth in the order in &
-                         &which the teeth engage, along the line of action; positive: towards the mate. Every mesh must have &
-                         &teeth', least=-1.0_dp, most=1.0_dp), error%pitch)
-      call v%on_list(row(which//'_tooth_stiffness', '', 'stiffness of each tooth of the '//which//' gear over that of a sound &
-                         &tooth, in the order of the pitch errors: 0.7 of a cracked tooth, 0 of a missing one. A factor of the &
-                         &mesh stiffness, which a cosine leads from tooth to tooth', least=0.0_dp, most=10.0_dp), &
-                     error%tooth_stiffness)
+      call v%on_list(row(which//'_pitch_error', 'm', meaning('pitch_error', 'cumulative pitch errors of the driving gear, one a &
+                         &tooth in the order in which the teeth engage, along the line of action; positive: towards the mate. &
+                         &Every mesh must have teeth'), least=-1.0_dp, most=1.0_dp), error%pitch)
+      call v%on_list(row(which//'_tooth_stiffness', '', meaning('tooth_stiffness', 'stiffness of each tooth of the driving gear &
+                         &over that of a sound tooth, in the order of the pitch errors: 0.7 of a cracked tooth, 0 of a missing &
+                         &one. A factor of the mesh stiffness, which a cosine leads from tooth to tooth'), least=0.0_dp, &
+                         most=10.0_dp), error%tooth_stiffness)
       given = .not. abs(error%runout) <= 0
-      call v%on_real(row(which//'_runout', 'm', 'amplitude of the error by eccentricity of the '//which//' gear, along the line of &
-                         &action, once a revolution', least=0.0_dp, most=1.0_dp), error%runout, given)
+      call v%on_real(row(which//'_runout', 'm', meaning('runout', 'amplitude of the error by eccentricity of the driving gear, &
+                         &along the line of action, once a revolution'), least=0.0_dp, most=1.0_dp), error%runout, given)
       given = .not. abs(error%runout_phase) <= 0
-      call v%on_real(row(which//'_runout_phase', 'rad', 'angle of the '//which//' gear at which its runout is largest, from the &
-                         &beginning of the first mesh cycle'), error%runout_phase, given)
-      call v%on_list(row(which//'_error_cos', 'm', 'cosine amplitudes of the error of the '//which//' gear, orders 1, 2, ... of &
-                         &its revolution, on a carrier against it; they add to pitch errors and runout', least=-1.0_dp, &
-                         most=1.0_dp), error%cosine)
+      call v%on_real(row(which//'_runout_phase', 'rad', meaning('runout_phase', 'angle of the driving gear at which its runout is &
+                         &largest, from the beginning of the first mesh cycle')), error%runout_phase, given)
+      call v%on_list(row(which//'_error_cos', 'm', meaning('error_cos', 'cosine amplitudes of the error of the driving gear, &
+                         &orders 1, 2, ... of its revolution, on a carrier against it; they add to pitch errors and runout'), &
+                         least=-1.0_dp, most=1.0_dp), error%cosine)
       call v%on_list(row(which//'_error_sin', 'm', 'sine amplitudes, orders 1, 2, ...', least=-1.0_dp, most=1.0_dp), error%sine)
+
+   contains
+
+      !> Meaning of a variable of the driving gear; the variable of the driven gear is alike.
+      pure function meaning(name, words)
+         character(*), intent(in) :: name, words
+         character(max(len(words), len(name) + 40)) :: meaning
+
+         meaning = words
+         if (gear == 2) meaning = 'as driving_'//name//', of the driven gear'
+      end function meaning
+
    end subroutine visit_gear_error
 
    !> Whether a gear has errors.

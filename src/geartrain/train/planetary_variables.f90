@@ -24,9 +24,9 @@ contains
       call v%enter('planetary', index)
       call v%on_text(row('name', '', "name of the set: its planets are the bodies 'NAME planet 1', ..., its meshes are named &
                          &'NAME sun 1', ..., 'NAME ring 1', ...", required=.true.), set%name)
-      call on_body('sun', 'name of the body that is the sun; none: the set has no sun', set%sun)
-      call on_body('ring', 'name of the body that is the ring; none: the set has no ring', set%ring)
-      call on_body('carrier', 'name of the body on which the planets ride', set%carrier)
+      call on_body('sun', 'body that is the sun; none: no sun', set%sun)
+      call on_body('ring', 'body that is the ring; none: no ring', set%ring)
+      call on_body('carrier', 'body on which the planets ride', set%carrier)
       call visit_gears(set, v)
       call visit_planets(set, v)
       call visit_meshes(set, v)
@@ -70,13 +70,13 @@ contains
       call v%on_real(row('helix_angle', 'degree', 'helix angle at the reference circle', least=zero, most=60*one), set%helix_angle)
       given = .not. abs(set%face_width) <= 0
       call v%on_real(row('face_width', 'm', 'common face width of the gears', above=zero), set%face_width, given)
-      call v%on_list(row('profile_shift', '', 'profile shift coefficients of sun, planet and ring, positive towards the tips; &
-                         &none: 0', least=-2*one, most=2*one, values=3), set%profile_shift)
+      call v%on_list(row('profile_shift', '', 'profile shift coefficients of sun, planet and ring, as of a mesh', &
+                         least=-2*one, most=2*one, values=3), set%profile_shift)
       given = .not. abs(set%centre_distance) <= 0
       call v%on_real(row('centre_distance', 'm', 'distance of the axes of sun and planets; default: the flanks touch without &
                          &backlash', above=zero), set%centre_distance, given)
-      call v%on_list(row('tip_diameter', 'm', 'tip diameters of sun, planet and ring; default: from the basic rack, shortened to &
-                         &keep its clearance', above=zero, values=3), set%tip_diameter)
+      call v%on_list(row('tip_diameter', 'm', 'tip diameters of sun, planet and ring, as of a mesh', above=zero, values=3), &
+                     set%tip_diameter)
       call v%on_real(row('dedendum', '', 'dedendum of the basic rack over the module', least=one, most=2*one), set%dedendum)
    end subroutine visit_gears
 
@@ -103,7 +103,7 @@ contains
    subroutine visit_meshes(set, v)
       type(planetary_type), intent(inout) :: set
       class(visitor_type), intent(inout) :: v
-      character(*), parameter :: both = ' of sun meshes and ring meshes; one value: of both'
+      character(*), parameter :: both = ' of sun and ring meshes; one value: both'
       character(:), allocatable :: word
 
       call v%on_list(row('backlash', 'm', 'circumferential backlash at the working pitch circles'//both, least=zero), set%backlash)
@@ -123,9 +123,9 @@ contains
                          above=one, most=10*one), set%contact_ratio)
       call v%on_integer(row('stiffness_harmonics', '', 'number of harmonics taken of the rectangular wave', least=one, &
                             most=1000*one), set%stiffness_harmonics)
-      call on_series('sun_stiffness', '', 'kappa of the sun meshes, in place of those of the contact ratio', &
+      call on_series('sun_stiffness', '', 'kappa of the sun meshes, in place of contact_ratio', &
                      set%sun_stiffness_cos, set%sun_stiffness_sin)
-      call on_series('ring_stiffness', '', 'kappa of the ring meshes, in place of those of the contact ratio', &
+      call on_series('ring_stiffness', '', 'kappa of the ring meshes, in place of contact_ratio', &
                      set%ring_stiffness_cos, set%ring_stiffness_sin)
       call on_series('sun_error', 'm', 'the transmission error of the sun meshes', set%sun_error_cos, set%sun_error_sin)
       call on_series('ring_error', 'm', 'the transmission error of the ring meshes', set%ring_error_cos, set%ring_error_sin)
