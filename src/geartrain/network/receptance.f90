@@ -24,7 +24,7 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> Harmonic >= 1 of Lambda/eta; sub-harmonic index.
       integer, intent(in) :: harmonic, eta
-      !> Gets H, a and their derivatives; allocated at the first call.
+      !> Gets H, a and their derivatives; allocated where it has not the size.
       type(receptance_type), intent(inout) :: r
       !> .false.: the derivatives are not wanted, and may be anything.
       logical, intent(in), optional :: derivatives
@@ -36,6 +36,10 @@ contains
       wanted = .true.
       if (present(derivatives)) wanted = derivatives
       associate (cut => system%cut)
+         ! A train with another value of a parameter may couple meshes that are not coupled in this one, as damping that is 0.
+         if (allocated(r%h)) then
+            if (size(r%h) /= cut%graph%entries) deallocate (r%h, r%dh, r%a, r%da)
+         end if
          if (.not. allocated(r%h)) allocate (r%h(cut%graph%entries), r%dh(cut%graph%entries), r%a(cut%unknowns), r%da(cut%unknowns))
          d_omega = system%characteristic_frequency*harmonic/eta
          omega = d_omega*frequency_ratio
