@@ -82,7 +82,8 @@ def test_what_is_no_report(results, tmp_path, capsys):
     page = tmp_path / "a.html"  # of a name that a report may have
     replace(results, response=None).write(page)
     data = page.read_bytes()
-    assert main([str(page), "-o", str(page)]) == 2 and "is neither a page nor a report" in capsys.readouterr().err and page.read_bytes() == data
+    assert main([str(page), "-o", str(page)]) == 2 and "is neither a page nor a report" in capsys.readouterr().err
+    assert page.read_bytes() == data
     with pytest.raises(OSError, match="nowhere"):
         replace(results, response=None).report(tmp_path / "nowhere" / "a.html")
 
