@@ -141,6 +141,8 @@ def test_modes_are_those_of_the_load():
     for torque, stage in ((6.0, None), (30.0, 2), (100.0, 4)):
         stiffness = numbers["stiffness"] if stage is None else numbers["stage_stiffness"][stage - 1]
         assert pair(torque).natural_frequencies(unit="Hz")[0] == pytest.approx(np.sqrt(stiffness / MASS) / (2 * np.pi), rel=1e-9)
+    with pytest.raises(gt.InputError, match="mesh 1 has table_loads"):
+        pair().state_space()
 
 
 @pytest.mark.full

@@ -124,6 +124,8 @@ def _stiffness(train: Description, modes: Modes, place: int) -> float:
         raise InputError(f"state_space: {name}: a clearance with more than four flats is no linear element")
     if getattr(part, "friction_torque", 0.0):
         raise InputError(f"state_space: {name} has dry friction, which is not linear: leave out its friction_torque")
+    if getattr(part, "table_loads", None) is not None:
+        raise InputError(f"state_space: {name} has table_loads: give its stiffness at the working load in their place")
     numbers = train.explain()[name] if kind != "bearing" else {}
     if "stages" not in numbers:
         return _of_element(train.explain(), name, "stiffness")
