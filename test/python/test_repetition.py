@@ -154,33 +154,3 @@ def test_stability_of_a_pair_over_an_even_order():
     even = single_pair(0.4, stiffness_cos=[0.3], order=2).response(start=0.6, stop=1.3, harmonics=24)
     assert any(point.kind == "period doubling" for point in plain.special_points)
     same_points(even.special_points, plain.special_points, 2)
-
-
-def test_a_slow_vibration_does_not_hide_another_motion():
-    """Two stable motions near one another, under a free vibration of 0.3 % damping that is much larger than what they differ by.
-
-    The motion that integration finds is where the flight of many cycles goes, which nothing but its end tells.
-    """
-    def loaded(order):
-        mesh = gt.Mesh(
-            between=("a", "b"), driving_radius=0.06812916901186077, driven_radius=0.05783407570984486, stiffness=186434463.61880174,
-            damping_ratio=0.055728743470560366, half_backlash=3.36740885019085e-05, phase=4.8370150728874695, order=order,
-            stiffness_cos=[0.27065134126115625, 0.06392336331890366], error_cos=[-2.6941540847045174e-07],
-            error_sin=[0.0, 7.299598870406026e-07])
-        return gt.Train(
-            characteristic_length=3e-5, characteristic_frequency=1e4, meshes=[mesh],
-            bodies=[gt.Body(name="a", inertia=0.003449983146484902, torque=93.85322667110194),
-                    gt.Body(name="b", inertia=0.005820028975002549, torque=-15.695298240060486),
-                    gt.Body(name="c", inertia=0.003603435809335077),
-                    gt.Body(name="d", inertia=0.009023263200949993, balances=True)],
-            shafts=[gt.Shaft(between=("a", "c"), stiffness=15585.051606775078, damping_ratio=0.01288952821641244),
-                    gt.Shaft(between=("c", "d"), stiffness=965633.9492857382, damping_ratio=0.04144406394318049)])
-
-    frequency, draw = 1.6398598123021564, np.random.default_rng(1)
-    for _ in range(8):
-        start = draw.uniform(-3, 3, 6)
-        flight = loaded(1).bifurcation_diagram(
-            start=frequency, stop=frequency, points=1, direction="up", transient=900, sections=10, seed=start)
-        found = loaded(3).integrate(frequency / 3, start=start)
-        # The two motions have 1.1475 and 1.1656 there.
-        assert found.state[0] == pytest.approx(flight.displacement[0, -1, 0], abs=4e-3)

@@ -17,9 +17,8 @@ module geartrain_flow_attraction
    private
    public :: attraction_type
 
-   !> Least fall of v: as a share of the predicted fall, and, of log v, as a multiple of the largest |e|/|d|. Under a slow vibration
-   !> much larger than what two motions differ by, 8 let the wrong one catch 11 of 120 flights, and 32 one.
-   real(dp), parameter :: least_share = 0.5_dp, least_fall = 32
+   !> Least fall of v: as a share of the predicted fall, and, of log v, as a multiple of the largest |e|/|d|.
+   real(dp), parameter :: least_share = 0.5_dp, least_fall = 8
    !> Largest rate at which v may fall over the rate of the slowest multiplier.
    real(dp), parameter :: largest_rate = 1.5_dp
    !> Largest |e|/|d| over the decay of the slowest direction in a period that cannot stop the decay.
