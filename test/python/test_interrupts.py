@@ -35,6 +35,7 @@ threading.Thread(target=interrupt, daemon=True).start()
 CHILD = """
 import os, signal, sys, threading, time
 import geartrain as gt
+import tqdm.auto  # which a call imports: an interrupt within that is Python's own
 signal.signal(signal.SIGINT, signal.default_int_handler)
 train = gt.Train(
     input_torque=150.0, prime_mover_inertia=2.3e-7, load_inertia=2.3e-7,
