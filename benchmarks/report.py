@@ -101,8 +101,9 @@ stable and unstable: rms agrees to {found["check"]["rms"]:.0e} (relative), and a
     return f"""## Figure 3 beside other tools
 
 Each tool computes the whole curve, Lambda 0.2 to 2.6, through its 8 folds, in one run: {", ".join(tools)}.
-*Process* is the time of a process, for geartrain of the executable with multipliers at every point, from the case file to the
-closed HDF5 file; *call* that of the same curve in a process that has run one before. The error is the relative error of rms against
+*Process* is the time from the start of a process to its end. For geartrain the process is the executable with multipliers
+at every point, from the case file to the closed HDF5 file. *Call* is the time of the same curve in a process that has
+computed one before. The error is the relative error of rms against
 shooting at the same Lambda, for the worse mesh, at up to 100 points of each tool farther than 0.01 from a fold.
 
 {table(("tool", "points", "process", "call", "a point", "stability", "error, median", "largest, at Lambda"), curve_rows(rows))}
@@ -151,7 +152,8 @@ def accuracy_section(found):
     return f"""## Error against time of a point
 
 The error of the waveform is the largest deviation of any mesh at any instant from shooting, over the largest alternating
-displacement. Time is that of a point of a branch without multipliers, for integration of settling from a neighbouring frequency.
+displacement. Time is the time of one point of a branch without multipliers. For integration it is the time to settle from the
+steady motion of a neighbouring frequency.
 
 ![Error of the waveform over time of a point, five cases](speed/accuracy.png)
 
@@ -222,7 +224,8 @@ def study_section(found):
     return f"""## Studies
 
 {found["points"]} responses of figure 3's train, with each value of its meshes within 10 % ([studies.md](studies.md)), on
-{found["workers"]} processes. Overhead is the processor time of all processes above that of a plain loop.
+{found["workers"]} processes. Overhead is the share by which the processor time of all processes
+exceeds that of a loop in one process.
 Efficiency is the time of the plain loop over the product of processes and wall time.
 
 {table(("engine", "wall time", "processor time", "overhead", "efficiency", "client's memory"), rows)}
