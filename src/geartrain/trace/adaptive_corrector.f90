@@ -113,7 +113,7 @@ contains
    end subroutine estimate_error
 
    !> With harmonics = 0: raises the number of harmonics until `solution` is within the tolerance.
-   subroutine adapt(self, solution, success, here, origin, fixed)
+   subroutine adapt(self, solution, success, here, origin, fixed, kept)
       class(adaptive_corrector_type), intent(inout) :: self
       !> Solution point that was solved last.
       type(solution_point_type), intent(inout) :: solution
@@ -123,12 +123,15 @@ contains
       type(solution_point_type), intent(inout), optional :: here, origin
       !> Keeps Lambda of `solution` as it is; false unless it is given.
       logical, intent(in), optional :: fixed
+      !> Where `success` is false: whether `solution` is solved, as it was.
+      logical, intent(out), optional :: kept
       type(solution_point_type) :: before(3)
       integer, allocatable :: first_set(:), larger(:)
       integer :: highest, most, first
       real(dp) :: share
 
       success = .true.
+      if (present(kept)) kept = .true.
       if (self%settings%harmonics > 0) return
       first = self%corrector%balance%highest
       first_set = self%corrector%balance%harmonic
@@ -165,6 +168,7 @@ contains
       if (present(here)) here = before(2)
       if (present(origin)) origin = before(3)
       call self%solve_again(solution, success, fixed)
+      if (present(kept)) kept = success
       success = .false.
    end subroutine adapt
 
@@ -192,7 +196,7 @@ contains
             return
          end if
       end if
-      call self%corrector%correct(solution, success)
+      call self%corrector%correct(solution, success, damped=.true.)
    end subroutine solve_again
 
    !> With harmonics = 0: lowers the number of harmonics for the next points where the error estimate leaves room, to half at least.

@@ -74,6 +74,8 @@ module geartrain_trace_branch
       real(dp) :: step = 0, curvature = 0
       !> Points so far that miss the tolerance.
       integer :: missed = 0
+      !> Latest steps whose end was not found with the harmonics that the tolerance needs.
+      integer :: refusals = 0
       !> Direction of Lambda, +1 or -1, before the branch became vertical; 0: the branch is not vertical.
       integer :: sense = 0
       !> Latest solution point; solution point before it; solution point with which the trace began.

@@ -136,6 +136,7 @@ contains
          call carry(fields, row('curvature'), trace%curvature)
          call carry(fields, row('missed', least=0), trace%missed)
          call carry(fields, row('sense'), trace%sense)
+         call carry(fields, row('refusals', least=0), trace%refusals)
          call carry_words(fields, row('before', optional=.true.), trace%before)
          if (trace%steps == 0) return
          call fields%check(trace%step > 0, 'step')

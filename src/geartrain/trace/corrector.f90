@@ -12,7 +12,9 @@ module geartrain_trace_corrector
    private
    public :: corrector_type, solution_point_type, inner
 
-   integer, parameter :: max_iterations = 10
+   !> Most iterations, and of damped ones; least share of a step.
+   integer, parameter :: max_iterations = 10, max_damped = 20
+   real(dp), parameter :: least_share = 0.05_dp
    !> Newton step at which a point counts as solved, relative to the motion; its floor, relative to the coefficients [1].
    real(dp), parameter :: converged = 1e-10_dp, rounding = 16*epsilon(1.0_dp)
    !> Relative accuracy of the iterative solution of a Newton step: of the first step, and as a share of the residual that the step
@@ -131,16 +133,18 @@ contains
    end subroutine solve_beside
 
    !> Solves in the hyperplane through `solution` normal to its tangent.
-   subroutine correct(self, solution, success)
+   subroutine correct(self, solution, success, damped)
       class(corrector_type), intent(inout) :: self
       !> A guess with tangent; then the solution, with the tangent of the branch in the direction of the former tangent.
       type(solution_point_type), intent(inout) :: solution
       !> Newton's method has converged.
       logical, intent(out) :: success
+      !> Shortens steps that enlarge the residual, see `newton`.
+      logical, intent(in), optional :: damped
       real(dp) :: row(self%balance%block, self%balance%unknowns), row_frequency
 
       call self%across(solution, row, row_frequency)
-      call self%newton(solution, row, row_frequency, huge(1.0_dp), success)
+      call self%newton(solution, row, row_frequency, huge(1.0_dp), success, damped)
       if (success) call self%find_tangent(solution)
    end subroutine correct
 
@@ -232,15 +236,21 @@ contains
    !> to be the last one, by the ratio of the steps before, uses the factors of the matrix at hand.
    !> Each step is solved for only as accurately as its linearisation error asks for (inexact Newton: S. C. Eisenstat and H. F.
    !> Walker, SIAM J. Sci. Comput. 17 (1996) 16-32).
-   subroutine newton(self, solution, row, row_frequency, longest, success)
+   !> Damped, a step is halved while it enlarges the residual, as steps across a first contact do, and contraction is not asked for.
+   subroutine newton(self, solution, row, row_frequency, longest, success, damped)
       class(corrector_type), intent(inout) :: self
       type(solution_point_type), intent(inout) :: solution
       real(dp), intent(in) :: row(:, :), row_frequency, longest
       logical, intent(out) :: success
-      real(dp) :: y, length, before, tolerance, defect, defect_before, accuracy, first, least
+      logical, intent(in), optional :: damped
+      real(dp) :: y, length, before, tolerance, defect, defect_before, accuracy, first, least, share
       integer :: iteration
-      logical :: last, regular
+      logical :: last, regular, halves
+      real(dp), allocatable :: whole(:, :)
 
+      halves = .false.
+      if (present(damped)) halves = damped
+      share = 1
       success = .false.
       last = .false.
       before = huge(1.0_dp)
@@ -250,7 +260,7 @@ contains
       least = merge(least_residual_set, least_residual, self%balance%chosen)
       accuracy = first
       defect_before = 0
-      do iteration = 1, max_iterations
+      do iteration = 1, merge(max_damped, max_iterations, halves)
          if (self%balance%system%interrupt%raised()) return
          if (allocated(self%balance%path)) then
             if (.not. self%balance%reaches(solution%frequency_ratio)) return
@@ -260,6 +270,12 @@ contains
          self%evaluations = self%evaluations + 1
          self%step = -self%balance%residual
          defect = self%length_of(self%step)
+         if (halves .and. iteration > 1 .and. defect > defect_before .and. share > least_share) then
+            share = share/2
+            solution%u = solution%u - share*whole
+            solution%frequency_ratio = solution%frequency_ratio - share*y
+            cycle
+         end if
          ! A residual that asks for a step shorter than the tolerance, by the step before.
          success = iteration > 1 .and. self%balance%chosen .and. .not. self%balance%is_direct()
          if (success) success = defect*before < tolerance*defect_before .and. self%balance%reaches(solution%frequency_ratio)
@@ -285,7 +301,8 @@ contains
          length = self%length_of(self%step, y)
          if (.not. length <= longest) return
          if (iteration == 1) self%correction = length/longest
-         if (length > 0.7_dp*before .and. iteration > 2) return
+         if (length > 0.7_dp*before .and. iteration > 2 .and. .not. halves) return
+         if (halves) whole = self%step
          solution%u = solution%u + self%step
          solution%frequency_ratio = solution%frequency_ratio + y
          tolerance = self%tolerance_at(solution%u)
@@ -295,8 +312,9 @@ contains
             return
          end if
          ! Quadratic convergence: the ratio of a step to the square of the step before stays about constant.
-         last = iteration > 1 .and. length*(length/before)**2 < 0.1_dp*tolerance
+         last = iteration > 1 .and. .not. share < 1 .and. length*(length/before)**2 < 0.1_dp*tolerance
          before = length
+         share = 1
       end do
    end subroutine newton
 

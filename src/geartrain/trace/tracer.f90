@@ -35,6 +35,9 @@ module geartrain_trace_tracer
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
    !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
    real(dp), parameter :: named_from = 3
+   !> Number of steps one after another whose end is not found with the harmonics that the tolerance needs, after which the points
+   !> are kept with fewer, as points that miss the tolerance, until more are found again.
+   integer, parameter :: most_refusals = 3
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
 
@@ -78,8 +81,8 @@ contains
       type(solution_point_type) :: next, origin, fold
       type(quantities_type) :: at_here
       real(dp) :: h, way, longer, shorter, gap, fold_at, off_curve
-      integer :: steps, before, sense, i, missed
-      logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden
+      integer :: steps, before, sense, i, missed, refusals
+      logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden, kept
       type(crossing_type), allocatable :: crossings(:)
       character(:), allocatable :: trouble
 
@@ -91,6 +94,7 @@ contains
       sense = sense_of(here, self%corrector%units)
       h = self%shown_step(min(first_step, self%settings%step), here, low, high)
       steps = 0
+      refusals = 0
       closing = .false.
       if (allocated(self%before%u)) deallocate (self%before%u)
       if (self%resumes) then
@@ -101,6 +105,7 @@ contains
          h = branch%trace%step
          steps = branch%trace%steps
          sense = branch%trace%sense
+         refusals = branch%trace%refusals
          call self%corrector%keep_equal(origin)
       else
          call self%keep_equal(here, origin)
@@ -132,7 +137,12 @@ contains
             closing = closing .and. .not. cut
          end if
          call find_crossings(self%corrector, here, next, way, crosses, success, crossings)
-         if (success) call self%adapt(next, success, here, origin, fixed=at_bound .or. closing)
+         if (success) then
+            call self%adapt(next, success, here, origin, at_bound .or. closing, kept)
+            refusals = merge(0, refusals + 1, success)
+            ! Near a fold or a first contact the motion of more harmonics may lie too far away, however short the step.
+            success = success .or. kept .and. refusals > most_refusals
+         end if
          if (closing .and. .not. success) exit
          if (.not. success) then
             h = h*shorter
@@ -223,6 +233,7 @@ contains
             branch%trace%steps = steps
             branch%trace%step = h
             branch%trace%sense = sense
+            branch%trace%refusals = refusals
             branch%trace%here = here
             branch%trace%earlier = self%before
             branch%trace%origin = origin
