@@ -86,3 +86,27 @@ def test_what_floats_is_said_in_the_file(tmp_path, executable):
             for group in ("integration", "attractors"):
                 assert "floats in its gaps" in file[group].attrs["ended"]
                 assert file[group]["floating"][:].all()
+
+
+@pytest.mark.full
+def test_a_slow_vibration_between_two_motions():
+    # Larger than the distance of the two, with multipliers of 0.99: where it ends is told before, and the whole flights agree.
+    train = gt.Train(
+        characteristic_length=3e-5, characteristic_frequency=1e4,
+        bodies=[gt.Body(name="motor", inertia=3.45e-3, torque=93.85), gt.Body(name="fan", inertia=5.82e-3, torque=-15.7),
+                gt.Body(name="disc", inertia=3.6e-3), gt.Body(name="load", inertia=9.02e-3, balances=True)],
+        shafts=[gt.Shaft(between=("motor", "disc"), stiffness=15585, damping_ratio=0.0129),
+                gt.Shaft(between=("disc", "load"), stiffness=965634, damping_ratio=0.0414)],
+        meshes=[gt.Mesh(between=("motor", "fan"), driving_radius=0.06813, driven_radius=0.05783, stiffness=1.8643e8,
+                        damping_ratio=0.05573, half_backlash=33.67e-6, order=3, phase=4.837, stiffness_cos=[0.27065, 0.06392],
+                        error_cos=[-2.694e-7], error_sin=[0, 7.3e-7])])
+    frequency, random = 0.54662, np.random.default_rng(1)
+    goal = train.attractors(frequency, starts=6, max_periods=3000)[0].state
+    reached = set()
+    for _ in range(24):
+        start = goal + random.choice([1, 3]) * random.normal(size=6) * [1, 0.1, 0.1, 0.3, 0.3, 0.3]
+        whole = train.integrate(frequency, start=start, max_periods=1, tolerance=1e-20).trajectory(3000, samples=4).section
+        motion = train.integrate(frequency, start=start)
+        np.testing.assert_allclose(motion.trajectory(1, samples=4).section[0][0], whole[0][-1], atol=1e-3)
+        reached.add(round(motion.rms[0], 3))
+    assert len(reached) == 2
