@@ -4,15 +4,19 @@
 !> weight Q = sum over k of M^k' M^k the Lyapunov function v = d'Q d falls by |d|^2 a period where e = 0. The flow counts as caught
 !> where v has fallen over some periods by at least half of the predicted |d|^2, by several times the largest effect of e, and at
 !> most at 1.5 times the rate of the slowest multiplier: then no slow direction, along which another orbit might lie, hides behind a
-!> fast direction. And where d is still near M^n d of the first of these periods: under a slow vibration v falls for the orbits next
-!> to the right one too, but the flow leaves the way to them little by little. The largest e is found by trial flights along the way that M predicts, where slow vibrations may add up and open
+!> fast direction. The largest e is found by trial flights along the way that M predicts, where slow vibrations may add up and open
 !> a mesh.
+!>
+!> Under a slow vibration v falls for the orbits next to the right one too. There d must also be near M^n d of the first of these
+!> periods, for the flow leaves the way to a wrong orbit little by little; and Newton's method must find this orbit from each of the
+!> latest sections: it finds others too where two orbits are nearer to each other than the flow is to them.
 module geartrain_flow_attraction
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_flow_shooting, only: find_orbit
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -22,9 +26,14 @@ module geartrain_flow_attraction
    real(dp), parameter :: least_share = 0.5_dp, least_fall = 8
    !> Largest rate at which v may fall over the rate of the slowest multiplier.
    real(dp), parameter :: largest_rate = 1.5_dp
+   !> Share of v that the slowest direction loses in a period below which the following is asked for too.
+   real(dp), parameter :: slow = 0.3_dp
    !> Largest distance of the flow from the way that M predicts over that from the orbit. Where the flow went to another orbit it was
    !> 0.26 and more, where not 0.06 and less (120 flights between two orbits with multipliers of 0.99).
    real(dp), parameter :: largest_drift = 0.12_dp
+   !> Sections from which Newton's method must find the orbit, its most steps, and the relative difference of states that are equal.
+   integer, parameter :: tried = 3, most_steps = 7
+   real(dp), parameter :: equal = 1e-6_dp
    !> Largest |e|/|d| over the decay of the slowest direction in a period that cannot stop the decay.
    real(dp), parameter :: harmless = 0.25_dp
    !> The way is predicted over 1 + 2 + ... + 2**octaves periods.
@@ -54,6 +63,10 @@ module geartrain_flow_attraction
       real(dp), private :: slowest = 0
       !> Distance at the section before, in energy coordinates; not allocated at the first section.
       real(dp), allocatable, private :: before(:)
+      !> States of the latest sections [1], the newest first, (state, section); number of sections so far, and before the next try of
+      !> Newton's method.
+      real(dp), allocatable, private :: latest(:, :)
+      integer, private :: followed = 0, next_try = tried
       !> Where M predicts it from that at the beginning of the watch.
       real(dp), allocatable, private :: way(:)
       !> Periods of the orbit in the present watch; periods after which a new watch begins, which forgets the past.
@@ -67,6 +80,7 @@ module geartrain_flow_attraction
       procedure :: follow
       procedure, private :: value
       procedure, private :: look_ahead
+      procedure, private :: find_again
    end type attraction_type
 
 contains
@@ -124,6 +138,10 @@ contains
       if (caught) return
       distance = self%energy%coordinates(section - self%state)
       v = self%value(distance)
+      if (.not. allocated(self%latest)) allocate (self%latest(size(section), tried), source=0.0_dp)
+      self%latest = eoshift(self%latest, -1, dim=2)
+      self%latest(:, 1) = section
+      self%followed = self%followed + 1
       if (allocated(self%before)) then
          v_before = self%value(self%before)
          self%watched = self%watched + 1
@@ -137,6 +155,7 @@ contains
             if (self%ahead < 0) call self%look_ahead(distance)
             self%largest = max(self%largest, self%ahead)
             caught = may_be_caught()
+            if (caught .and. self%slowest < slow .and. self%largest > harmless*self%slowest/2) call self%find_again(caught)
             if (caught) return
          end if
          if (self%watched >= self%watch) then
@@ -162,7 +181,8 @@ contains
          if (may_be_caught) return
          may_be_caught = self%first - v >= least_share*self%predicted .and. fall >= least_fall*self%largest &
                          .and. self%predicted <= largest_rate*self%slowest*self%total
-         if (may_be_caught) may_be_caught = self%value(distance - self%way) <= largest_drift**2*v
+         if (self%slowest > slow .or. .not. may_be_caught) return
+         may_be_caught = self%followed >= self%next_try .and. self%value(distance - self%way) <= largest_drift**2*v
       end function may_be_caught
 
    end subroutine follow
@@ -174,6 +194,24 @@ contains
 
       value = max(dot_product(distance, matmul(self%weight, distance)), tiny(1.0_dp))
    end function value
+
+   !> Tries Newton's method from the latest sections.
+   subroutine find_again(self, found)
+      class(attraction_type), intent(inout) :: self
+      !> Whether it finds this orbit from each of them.
+      logical, intent(out) :: found
+      real(dp) :: state(size(self%state)), monodromy(size(self%state), size(self%state)), length
+      integer :: i
+
+      do i = 1, tried
+         state = self%latest(:, i)
+         call find_orbit(self%flow%system, self%frequency_ratio, self%period, most_steps, state, monodromy, length, found)
+         if (found) found = maxval(abs(state - self%state)) <= equal*maxval(abs(self%state))
+         if (found) cycle
+         self%next_try = self%followed + max(tried, self%followed/2)
+         return
+      end do
+   end subroutine find_again
 
    !> Sets `ahead` by a trial flight in each octave of periods, from where M predicts the largest displacement of a mesh.
    subroutine look_ahead(self, distance)
