@@ -8,8 +8,8 @@
 !> a mesh.
 !>
 !> Under a slow vibration v falls for the orbits next to the right one too. There d must also be near M^n d of the first of these
-!> periods, for the flow leaves the way to a wrong orbit little by little; and Newton's method must find this orbit from each of the
-!> latest sections: it finds others too where two orbits are nearer to each other than the flow is to them.
+!> periods, for the flow leaves the way to a wrong orbit little by little. And Newton's method is tried along the way that M predicts:
+!> where it finds another orbit that attracts, the flow must come nearer than that one is.
 module geartrain_flow_attraction
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
@@ -31,9 +31,11 @@ module geartrain_flow_attraction
    !> Largest distance of the flow from the way that M predicts over that from the orbit. Where the flow went to another orbit it was
    !> 0.26 and more, where not 0.06 and less (120 flights between two orbits with multipliers of 0.99).
    real(dp), parameter :: largest_drift = 0.12_dp
-   !> Sections from which Newton's method must find the orbit, its most steps, and the relative difference of states that are equal.
-   integer, parameter :: tried = 3, most_steps = 7
+   !> Most steps of Newton's method, and the relative difference of states that are equal.
+   integer, parameter :: most_steps = 7
    real(dp), parameter :: equal = 1e-6_dp
+   !> Distance from this orbit over that of another one at which a flow is caught.
+   real(dp), parameter :: near = 0.5_dp
    !> Largest |e|/|d| over the decay of the slowest direction in a period that cannot stop the decay.
    real(dp), parameter :: harmless = 0.25_dp
    !> The way is predicted over 1 + 2 + ... + 2**octaves periods.
@@ -63,14 +65,12 @@ module geartrain_flow_attraction
       real(dp), private :: slowest = 0
       !> Distance at the section before, in energy coordinates; not allocated at the first section.
       real(dp), allocatable, private :: before(:)
-      !> States of the latest sections [1], the newest first, (state, section); number of sections so far, and before the next try of
-      !> Newton's method.
-      real(dp), allocatable, private :: latest(:, :)
-      integer, private :: followed = 0, next_try = tried
       !> Where M predicts it from that at the beginning of the watch.
       real(dp), allocatable, private :: way(:)
       !> Periods of the orbit in the present watch; periods after which a new watch begins, which forgets the past.
       integer, private :: watched = 0, watch = 1
+      !> v of the nearest other orbit that attracts; negative: not looked for yet.
+      real(dp), private :: rival = -1
       !> Of the present watch: v at the beginning, sum of v over the periods, predicted fall of v, largest |e|/|d|.
       real(dp), private :: first = 0, total = 0, predicted = 0, largest = 0
       !> Largest |e|/|d| along the predicted way; negative: not known yet.
@@ -80,7 +80,7 @@ module geartrain_flow_attraction
       procedure :: follow
       procedure, private :: value
       procedure, private :: look_ahead
-      procedure, private :: find_again
+      procedure, private :: find_rival
    end type attraction_type
 
 contains
@@ -138,10 +138,6 @@ contains
       if (caught) return
       distance = self%energy%coordinates(section - self%state)
       v = self%value(distance)
-      if (.not. allocated(self%latest)) allocate (self%latest(size(section), tried), source=0.0_dp)
-      self%latest = eoshift(self%latest, -1, dim=2)
-      self%latest(:, 1) = section
-      self%followed = self%followed + 1
       if (allocated(self%before)) then
          v_before = self%value(self%before)
          self%watched = self%watched + 1
@@ -155,7 +151,10 @@ contains
             if (self%ahead < 0) call self%look_ahead(distance)
             self%largest = max(self%largest, self%ahead)
             caught = may_be_caught()
-            if (caught .and. self%slowest < slow .and. self%largest > harmless*self%slowest/2) call self%find_again(caught)
+            if (caught .and. self%slowest <= slow .and. self%largest > harmless*self%slowest/2) then
+               if (self%rival < 0) call self%find_rival(distance)
+               caught = v < near**2*self%rival
+            end if
             if (caught) return
          end if
          if (self%watched >= self%watch) then
@@ -181,8 +180,7 @@ contains
          if (may_be_caught) return
          may_be_caught = self%first - v >= least_share*self%predicted .and. fall >= least_fall*self%largest &
                          .and. self%predicted <= largest_rate*self%slowest*self%total
-         if (self%slowest > slow .or. .not. may_be_caught) return
-         may_be_caught = self%followed >= self%next_try .and. self%value(distance - self%way) <= largest_drift**2*v
+         if (self%slowest <= slow) may_be_caught = may_be_caught .and. self%value(distance - self%way) <= largest_drift**2*v
       end function may_be_caught
 
    end subroutine follow
@@ -195,23 +193,32 @@ contains
       value = max(dot_product(distance, matmul(self%weight, distance)), tiny(1.0_dp))
    end function value
 
-   !> Tries Newton's method from the latest sections.
-   subroutine find_again(self, found)
+   !> Sets `rival` by Newton's method from each octave of periods of the way that M predicts.
+   subroutine find_rival(self, distance)
       class(attraction_type), intent(inout) :: self
-      !> Whether it finds this orbit from each of them.
-      logical, intent(out) :: found
-      real(dp) :: state(size(self%state)), monodromy(size(self%state), size(self%state)), length
-      integer :: i
+      !> From the orbit, in energy coordinates, (state).
+      real(dp), intent(in) :: distance(:)
+      real(dp) :: now(size(distance)), state(size(distance)), monodromy(size(distance), size(distance)), length
+      complex(dp) :: multipliers(size(distance))
+      integer :: k, octave
+      logical :: found
 
-      do i = 1, tried
-         state = self%latest(:, i)
-         call find_orbit(self%flow%system, self%frequency_ratio, self%period, most_steps, state, monodromy, length, found)
-         if (found) found = maxval(abs(state - self%state)) <= equal*maxval(abs(self%state))
-         if (found) cycle
-         self%next_try = self%followed + max(tried, self%followed/2)
-         return
+      self%rival = huge(1.0_dp)
+      now = distance
+      do octave = 0, octaves
+         do k = 1, 2**octave
+            now = matmul(self%monodromy, now)
+            if (mod(4*k, 2**octave) /= 0) cycle
+            state = self%state + self%energy%state(now)
+            call find_orbit(self%flow%system, self%frequency_ratio, self%period, most_steps, state, monodromy, length, found)
+            if (found) found = maxval(abs(state - self%state)) > equal*maxval(abs(self%state))
+            if (.not. found) cycle
+            call eigenvalues(monodromy, multipliers)
+            if (is_stable(multipliers)) self%rival = min(self%rival, self%value(self%energy%coordinates(state - self%state)))
+         end do
+         if (self%value(now) < 1e-3_dp*self%value(distance)) exit
       end do
-   end subroutine find_again
+   end subroutine find_rival
 
    !> Sets `ahead` by a trial flight in each octave of periods, from where M predicts the largest displacement of a mesh.
    subroutine look_ahead(self, distance)
