@@ -8,8 +8,8 @@
 !> a mesh.
 !>
 !> Under a slow vibration v falls for the orbits next to the right one too. There d must also be near M^n d of the first of these
-!> periods, for the flow leaves the way to a wrong orbit little by little. And Newton's method is tried along the way that M predicts:
-!> where it finds another orbit that attracts, the flow must come nearer than that one is.
+!> periods, for the flow leaves the way to a wrong orbit little by little. And Newton's method is tried along the way that M
+!> predicts: where it finds another orbit that attracts, the flow must come nearer than that one is.
 module geartrain_flow_attraction
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
@@ -28,8 +28,8 @@ module geartrain_flow_attraction
    real(dp), parameter :: largest_rate = 1.5_dp
    !> Share of v that the slowest direction loses in a period below which the following is asked for too.
    real(dp), parameter :: slow = 0.3_dp
-   !> Largest distance of the flow from the way that M predicts over that from the orbit. Where the flow went to another orbit it was
-   !> 0.26 and more, where not 0.06 and less (120 flights between two orbits with multipliers of 0.99).
+   !> Largest distance of the flow from the way that M predicts over that from the orbit: of 120 flights between two orbits with
+   !> multipliers of 0.99 those that went to the other one had 0.26 and more, the others 0.11 and less.
    real(dp), parameter :: largest_drift = 0.12_dp
    !> Most steps of Newton's method, and the relative difference of states that are equal.
    integer, parameter :: most_steps = 7
