@@ -8,7 +8,7 @@ import sys
 
 import h5py
 import pytest
-from conftest import ROOT, run
+from conftest import ROOT, paper_train, run
 
 import geartrain as gt
 
@@ -115,3 +115,18 @@ def test_a_checkpoint_that_cannot_be_written_is_told(executable, tmp_path):
     assert told[0].endswith("; the run goes on without this checkpoint")
     assert "out.h5: error: cannot be written: " in done.stderr.splitlines()[-1]
     assert re.search(r"^Response: .* \d{4,} motions", done.stdout, re.MULTILINE), done
+
+
+def test_more_samples_than_the_machine_has_memory_for(monkeypatch):
+    motion = paper_train().integrate(1.9)
+    motion.trajectory(1000)
+    monkeypatch.setattr("os.sysconf", lambda name: 1000)  # a megabyte
+    with pytest.raises(MemoryError, match="1000 periods"):
+        motion.trajectory(1000)
+
+
+def test_least_of_orders():
+    motion = paper_train().integrate(1.9)
+    for least in (float("nan"), -1, 2, [0.1, 0.2]):
+        with pytest.raises(gt.InputError, match="least"):
+            motion.orders(least)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence, Sized
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -263,6 +264,8 @@ class Motion(Pictures, Recording):
         ------
         Interrupted
             On Ctrl-C.
+        MemoryError
+            Where the machine has not as much memory as the samples take.
 
         Examples
         --------
@@ -281,6 +284,9 @@ class Motion(Pictures, Recording):
         own = self.period or periods
         if max(own, periods) * samples >= 2**31:
             raise InputError(f"periods = {periods}: of {samples} samples each, must be below {2**31 // samples}")
+        values = 1 + 3 * len(self.rms) + (len(self.train.shafts) if self.train else 0)
+        if 8 * values * periods * samples > os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"):
+            raise MemoryError(f"no memory for {periods} periods of {samples} samples: give fewer of either")
         time, displacement, force, torque, velocity, *_ = watched(
             lambda progress: self._sample(own * samples, 0 if self.period else periods, progress), "trajectory", in_parts=False
         )
@@ -350,7 +356,7 @@ class Motion(Pictures, Recording):
         Parameters
         ----------
         least : float
-            Amplitude below which an order is left out, over the largest amplitude of the mesh, shaft, ...
+            Amplitude below which an order is left out, over the largest amplitude of the mesh, shaft, ...; 0 to 1.
         what : str
             As in `spectrum`.
         """

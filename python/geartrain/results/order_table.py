@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .._core.description import part_names
 from .._core.extras import extra
+from ..errors import InputError, shown
 from .campbell import exciting_orders
 from .orders import named_orders, owners_of
 
@@ -51,6 +52,8 @@ def named_spectrum(
 
 def order_table(motion: Any, least: float, what: str) -> Dataset:
     """The orders of `named_spectrum` as a dataset."""
+    if np.ndim(least) or not 0 <= least <= 1:
+        raise InputError(f"least = {shown(least)}: must be 0 to 1")
     order, amplitude, owner, ratio = named_spectrum(motion, least, what)
     along, named, unit = _FORCES.get(what, ("mesh", "mesh", "1"))
     train = motion.train
