@@ -15,6 +15,9 @@ module geartrain_trace_stepper
 
    !> Largest change of Lambda in a step with sets of harmonics, over the range [1].
    real(dp), parameter :: widest = 0.01_dp
+   !> Number of steps one after another whose end is not found with the harmonics that the tolerance needs, after which ends are kept
+   !> with fewer, as points that miss the tolerance, until more are found again.
+   integer, parameter :: most_refusals = 3
 
    type, extends(adaptive_corrector_type) :: stepper_type
       type(recorder_type) :: recorder
@@ -22,6 +25,8 @@ module geartrain_trace_stepper
       integer :: segment = 1
       !> Points that miss the tolerance, where harmonics = 0.
       integer :: missed = 0
+      !> Latest steps whose end was not found with the harmonics that the tolerance needs.
+      integer :: refusals = 0
       !> The point before the latest one, from which the next one is guessed; its coefficients are not allocated where there is
       !> none.
       type(solution_point_type) :: before
@@ -29,7 +34,7 @@ module geartrain_trace_stepper
       type(quantities_type) :: quantities
       integer, private :: read_at = -1
    contains
-      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at
+      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at, adapt_end
    end type stepper_type
 
 contains
@@ -170,6 +175,23 @@ contains
                                                                                - guess%tangent_frequency), 0.0_dp, base > 0))
       end if
    end subroutine take_step
+
+   !> Puts the end of a step onto the harmonics that the tolerance needs.
+   subroutine adapt_end(self, next, here, origin, fixed, success)
+      class(stepper_type), intent(inout) :: self
+      !> End and beginning of the step; first point of the branch: see `adapt`.
+      type(solution_point_type), intent(inout) :: next, here, origin
+      !> Keeps Lambda of `next`.
+      logical, intent(in) :: fixed
+      !> False where a shorter step may find them.
+      logical, intent(out) :: success
+      logical :: kept
+
+      call self%adapt(next, success, here, origin, fixed, kept)
+      self%refusals = merge(0, self%refusals + 1, success)
+      ! Near a fold or a first contact the motion of more harmonics may lie too far away, however short the step.
+      success = success .or. kept .and. self%refusals > most_refusals
+   end subroutine adapt_end
 
    !> Makes `next` the solution point at exactly `bound`, a Lambda between `here` and `next`.
    subroutine stop_at(self, bound, here, next, h, success)

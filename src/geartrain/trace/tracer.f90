@@ -35,9 +35,6 @@ module geartrain_trace_tracer
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
    !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
    real(dp), parameter :: named_from = 3
-   !> Number of steps one after another whose end is not found with the harmonics that the tolerance needs, after which the points
-   !> are kept with fewer, as points that miss the tolerance, until more are found again.
-   integer, parameter :: most_refusals = 3
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
 
@@ -81,8 +78,8 @@ contains
       type(solution_point_type) :: next, origin, fold
       type(quantities_type) :: at_here
       real(dp) :: h, way, longer, shorter, gap, fold_at, off_curve
-      integer :: steps, before, sense, i, missed, refusals
-      logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden, kept
+      integer :: steps, before, sense, i, missed
+      logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden
       type(crossing_type), allocatable :: crossings(:)
       character(:), allocatable :: trouble
 
@@ -94,7 +91,6 @@ contains
       sense = sense_of(here, self%corrector%units)
       h = self%shown_step(min(first_step, self%settings%step), here, low, high)
       steps = 0
-      refusals = 0
       closing = .false.
       if (allocated(self%before%u)) deallocate (self%before%u)
       if (self%resumes) then
@@ -105,9 +101,9 @@ contains
          h = branch%trace%step
          steps = branch%trace%steps
          sense = branch%trace%sense
-         refusals = branch%trace%refusals
          call self%corrector%keep_equal(origin)
       else
+         self%refusals = 0
          call self%keep_equal(here, origin)
       end if
       call at_here%find(self%corrector, self%recorder%transform, here)
@@ -137,12 +133,7 @@ contains
             closing = closing .and. .not. cut
          end if
          call find_crossings(self%corrector, here, next, way, crosses, success, crossings)
-         if (success) then
-            call self%adapt(next, success, here, origin, at_bound .or. closing, kept)
-            refusals = merge(0, refusals + 1, success)
-            ! Near a fold or a first contact the motion of more harmonics may lie too far away, however short the step.
-            success = success .or. kept .and. refusals > most_refusals
-         end if
+         if (success) call self%adapt_end(next, here, origin, at_bound .or. closing, success)
          if (closing .and. .not. success) exit
          if (.not. success) then
             h = h*shorter
@@ -205,7 +196,6 @@ contains
          if (sense_of(next, self%corrector%units) /= 0) sense = sense_of(next, self%corrector%units)
          at_here = self%quantities
          steps = steps + 1
-
          if (closing) exit
          call self%find_end(at_bound, meets, target, before, branch, outcome, reason)
          if (outcome /= under_way .and. self%recorder%stability .and. .not. self%vanishes()) &
@@ -233,7 +223,6 @@ contains
             branch%trace%steps = steps
             branch%trace%step = h
             branch%trace%sense = sense
-            branch%trace%refusals = refusals
             branch%trace%here = here
             branch%trace%earlier = self%before
             branch%trace%origin = origin
@@ -295,6 +284,7 @@ contains
       state%harmonics = self%corrector%balance%highest
       state%curvature = self%curvature
       state%missed = self%missed
+      state%refusals = self%refusals
    end subroutine note_state
 
    !> Takes back what `note_state` noted.
@@ -310,6 +300,7 @@ contains
       end if
       self%curvature = state%curvature
       self%missed = state%missed
+      self%refusals = state%refusals
    end subroutine restore_state
 
    !> Records the fold between `here` and `next`, a distance h apart, as a point of the branch, and solves `next` again, so that the
