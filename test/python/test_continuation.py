@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import paper_train, single_pair
+from conftest import ROOT, paper_train, single_pair
 
 import geartrain as gt
 
@@ -234,3 +234,14 @@ def test_an_excitation_that_begins_at_nothing_is_carried(harmonics):
     np.testing.assert_allclose(end, settled.rms, rtol=1e-3)
     # The third harmonic of Lambda is the error of mesh 2, which no multiple of 2 is.
     assert np.abs(branch.coefficients[np.argmax(branch.parameter), 1, 5:7]).max() > 1e-3
+
+
+@pytest.mark.parametrize(("case", "tolerance"), [("bearings", 0.1), ("fig11", 0.03)])
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_fewer_harmonics_do_not_lead_back(case, tolerance):
+    # Where the branch is steep, each change between 8 and 9 harmonics once led back to where it had been.
+    results = gt.read_case(ROOT / "namelists" / f"{case}.nml")
+    settings = {**results.response, "harmonics": 0, "tolerance": tolerance, "stability": False}
+    branch = results.train.response(**settings)
+    assert branch.complete
+    assert len(branch.frequency) < 1000

@@ -22,6 +22,8 @@ module geartrain_trace_adaptive_corrector
    real(dp), parameter :: tolerance_share = 0.3_dp, set_share = 0.6_dp
    !> Ratio of new to present number of harmonics above which the number is not lowered: each change plans the balance anew.
    real(dp), parameter :: worth_lowering = 0.75_dp
+   !> Distance of the motion of fewer harmonics over the next step above which the number is not lowered.
+   real(dp), parameter :: farthest = 0.3_dp
    !> Largest drive of a train that is as good as none, over the displacements of the branch.
    real(dp), parameter :: vanishing = 1e-6_dp
    !> Most harmonics of a set.
@@ -199,12 +201,15 @@ contains
       call self%corrector%correct(solution, success, damped=.true.)
    end subroutine solve_again
 
-   !> With harmonics = 0: lowers the number of harmonics for the next points where the error estimate leaves room, to half at least.
-   subroutine relax(self, here, origin)
+   !> With harmonics = 0: lowers the number of harmonics for the next points where the error estimate leaves room, to half at least,
+   !> unless the motion of fewer lies too far away: where a branch is steep each change of harmonics may lead back by a step.
+   subroutine relax(self, here, origin, step)
       class(adaptive_corrector_type), intent(inout) :: self
       !> Latest point, to which `estimate` belongs; where the branch began. Both are put onto the new harmonics.
       type(solution_point_type), intent(inout) :: here, origin
-      type(solution_point_type) :: before(2)
+      !> Length of the next step [1].
+      real(dp), intent(in) :: step
+      type(solution_point_type) :: before(2), guess
       integer, allocatable :: set(:), smaller(:)
       real(dp) :: share
       integer :: highest, fewer
@@ -232,7 +237,10 @@ contains
       end if
       call self%corrector%refit(here)
       call self%corrector%refit(origin)
+      guess = here
       call self%corrector%correct(here, success)
+      if (success) success = self%corrector%length_of(here%u - guess%u, here%frequency_ratio - guess%frequency_ratio) &
+                             < farthest*step
       if (success .and. self%chooses_sets) then
          ! Where the branch is steep, a motion of fewer harmonics may lie far away.
          call self%estimate_error(here)

@@ -211,7 +211,7 @@ contains
          self%before = here
          here = next
          before = branch%points
-         call self%relax(here, origin)
+         call self%relax(here, origin, h)
          if (.not. carries_same(here, next)) call at_here%find(self%corrector, self%recorder%transform, here)
          if (steps > 3) closing = closes(self%corrector, self%before, here, origin, h, gap) .and. .not. crosses_branch(here, origin)
          if (closing) h = gap
