@@ -15,8 +15,8 @@ module geartrain_trace_stepper
 
    !> Largest change of Lambda in a step with sets of harmonics, over the range [1].
    real(dp), parameter :: widest = 0.01_dp
-   !> Number of steps one after another whose end is not found with the harmonics that the tolerance needs, after which ends are kept
-   !> with fewer, as points that miss the tolerance, until more are found again.
+   !> Number of steps one after another whose end is not found with the harmonics that the tolerance needs, after which ends are
+   !> kept with fewer, as points that miss the tolerance, until more are found again.
    integer, parameter :: most_refusals = 3
 
    type, extends(adaptive_corrector_type) :: stepper_type
