@@ -64,7 +64,7 @@ def test_reducer_response():
 
 @pytest.mark.parametrize("tolerance", [5e-2, 1e-2])
 def test_reducer_roughly(tolerance):
-    # Near its folds no motion of more harmonics is found from those of few: points miss the tolerance there, none is lost.
+    # Near the folds Newton's method fails when harmonics are added. These points miss the tolerance; the branch must still go on.
     branch = study("reducer").train.response(start=200, stop=900, harmonics=0, tolerance=tolerance, stability=False)
     assert branch.complete
     assert np.mean(branch.error_estimate <= tolerance) > 0.8

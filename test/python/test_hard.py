@@ -90,7 +90,7 @@ def test_what_floats_is_said_in_the_file(tmp_path, executable):
 
 @pytest.mark.full
 def test_a_slow_vibration_between_two_motions():
-    # Larger than the distance of the two, with multipliers of 0.99: where it ends is told before, and the whole flights agree.
+    # The vibration is larger than the distance of the two motions. Integration must name the motion that a long flight reaches.
     train = gt.Train(
         characteristic_length=3e-5, characteristic_frequency=1e4,
         bodies=[gt.Body(name="motor", inertia=3.45e-3, torque=93.85), gt.Body(name="fan", inertia=5.82e-3, torque=-15.7),

@@ -34,7 +34,7 @@ module geartrain_flow_attraction
    !> Most steps of Newton's method, and the relative difference of states that are equal.
    integer, parameter :: most_steps = 7
    real(dp), parameter :: equal = 1e-6_dp
-   !> Distance from this orbit over that of another one at which a flow is caught.
+   !> Where another orbit attracts too: a flow is caught when it is nearer to this orbit than this share of their distance.
    real(dp), parameter :: near = 0.5_dp
    !> Largest |e|/|d| over the decay of the slowest direction in a period that cannot stop the decay.
    real(dp), parameter :: harmless = 0.25_dp
