@@ -37,46 +37,49 @@ VERSIONS void geartrain_transpose(int rows, int columns, const double *restrict 
      stiffness, drive(segment, step, unknown)   stiffness of the unknown meshes along the motion and their force besides
      p, v(segment, element)         displacements and velocities at the beginning of each segment, at its end afterwards
      y(segment, step, unknown)      displacements of the unknown meshes */
-WIDE_VERSIONS void geartrain_flow_steps(int elements, int unknowns, int steps, const int *restrict element, double h, const double *restrict mass,
-                                        const double *restrict spring, const double *restrict damper, const double *restrict stiffness,
-                                        const double *restrict drive, double *restrict p, double *restrict v, double *restrict y)
+VERSIONS void geartrain_flow_steps(int elements, int unknowns, int steps, const int *restrict element, double h, const double *restrict mass,
+                                   const double *restrict spring, const double *restrict damper, const double *restrict stiffness,
+                                   const double *restrict drive, double *restrict p, double *restrict v, double *restrict y)
 {
-   eight force[24];
+   four force[24][2];
 
    for (int k = 0; k < steps; k++) {
       for (int n = 0; n < elements; n++)
-         force[n] = spring[n] * load8(p + 8 * n) + damper[n] * load8(v + 8 * n);
-      for (int i = 0; i < unknowns; i++) {
-         const int n = element[i] - 1, at = 8 * (i * steps + k);
-         const eight here = load8(p + 8 * n);
-         store8(y + at, here);
-         force[n] += load8(stiffness + at) * here + load8(drive + at);
+         for (int i = 0; i < 2; i++)
+            force[n][i] = spring[n] * load(p + 8 * n + 4 * i) + damper[n] * load(v + 8 * n + 4 * i);
+      for (int u = 0; u < unknowns; u++) {
+         const int n = element[u] - 1, at = 8 * (u * steps + k);
+         for (int i = 0; i < 2; i++) {
+            const four here = load(p + 8 * n + 4 * i);
+            store(y + at + 4 * i, here);
+            force[n][i] += load(stiffness + at + 4 * i) * here + load(drive + at + 4 * i);
+         }
       }
       for (int n = 0; n < elements; n++) {
-         eight speed = load8(v + 8 * n);
+         four speed[2] = {load(v + 8 * n), load(v + 8 * n + 4)};
          for (int m = 0; m < elements; m++)
-            speed -= mass[m * elements + n] * force[m];
-         store8(v + 8 * n, speed);
-         store8(p + 8 * n, load8(p + 8 * n) + h * speed);
+            for (int i = 0; i < 2; i++)
+               speed[i] -= mass[m * elements + n] * force[m][i];
+         for (int i = 0; i < 2; i++) {
+            store(v + 8 * n + 4 * i, speed[i]);
+            store(p + 8 * n + 4 * i, load(p + 8 * n + 4 * i) + h * speed[i]);
+         }
       }
    }
 }
 
 /* Adds what forces at the steps add to the end states of the segments: influence(segment, state, step) per force(segment, step). */
-WIDE_VERSIONS void geartrain_add_influence(int states, int steps, const double *restrict influence, const double *restrict force,
-                                           double *restrict added)
+VERSIONS void geartrain_add_influence(int states, int steps, const double *restrict influence, const double *restrict force,
+                                      double *restrict added)
 {
-   eight sum[49];
-
-   for (int l = 0; l < states; l++)
-      sum[l] = load8(added + 8 * l);
-   for (int k = 0; k < steps; k++) {
-      const eight here = load8(force + 8 * k);
-      for (int l = 0; l < states; l++)
-         sum[l] += here * load8(influence + 8 * (k * states + l));
+   for (int l = 0; l < 8 * states; l += 8) {
+      four sum[2] = {load(added + l), load(added + l + 4)};
+      for (int k = 0; k < steps; k++)
+         for (int i = 0; i < 2; i++)
+            sum[i] += load(force + 8 * k + 4 * i) * load(influence + 8 * k * states + l + 4 * i);
+      store(added + l, sum[0]);
+      store(added + l + 4, sum[1]);
    }
-   for (int l = 0; l < states; l++)
-      store8(added + 8 * l, sum[l]);
 }
 
 /* Carries functionals of the end states of the segments back over the steps, to the states at their beginnings. The last functional
@@ -86,38 +89,39 @@ WIDE_VERSIONS void geartrain_add_influence(int states, int steps, const double *
      force(segment, functional, element)  work space
      influence(segment, functional, step, unknown)   what a force on an unknown mesh at a step adds to the functionals
    The rest as in geartrain_flow_steps. */
-WIDE_VERSIONS void geartrain_carry_back(int elements, int unknowns, int steps, int functionals, const int *restrict element, double h,
-                                        const double *restrict mass, const double *restrict spring, const double *restrict damper,
-                                        const double *restrict stiffness, const double *restrict row, double *restrict p, double *restrict v,
-                                        double *restrict force, double *restrict influence)
+VERSIONS void geartrain_carry_back(int elements, int unknowns, int steps, int functionals, const int *restrict element, double h,
+                                   const double *restrict mass, const double *restrict spring, const double *restrict damper,
+                                   const double *restrict stiffness, const double *restrict row, double *restrict p, double *restrict v,
+                                   double *restrict force, double *restrict influence)
 {
    const int all = 8 * functionals;
 
    for (int k = steps - 1; k >= 0; k--) {
-      for (int l = 0; l < elements * all; l += 8)
-         store8(v + l, load8(v + l) + h * load8(p + l));
+      for (int l = 0; l < elements * all; l += 4)
+         store(v + l, load(v + l) + h * load(p + l));
       for (int n = 0; n < elements; n++)
-         for (int l = 0; l < all; l += 8) {
-            eight sum = {0};
+         for (int l = 0; l < all; l += 4) {
+            four sum = {0};
             for (int m = 0; m < elements; m++)
-               sum -= mass[n * elements + m] * load8(v + m * all + l);
-            store8(force + n * all + l, sum);
+               sum -= mass[n * elements + m] * load(v + m * all + l);
+            store(force + n * all + l, sum);
          }
       for (int n = 0; n < elements; n++)
-         for (int l = n * all; l < (n + 1) * all; l += 8) {
-            store8(p + l, load8(p + l) + spring[n] * load8(force + l));
-            store8(v + l, load8(v + l) + damper[n] * load8(force + l));
+         for (int l = n * all; l < (n + 1) * all; l += 4) {
+            store(p + l, load(p + l) + spring[n] * load(force + l));
+            store(v + l, load(v + l) + damper[n] * load(force + l));
          }
       for (int i = 0; i < unknowns; i++) {
          const int at = i * steps + k;
          double *restrict q = p + (element[i] - 1) * all;
          const double *restrict f = force + (element[i] - 1) * all;
-         const eight stiff = load8(stiffness + 8 * at);
-         for (int l = 0; l < all; l += 8) {
-            store8(q + l, load8(q + l) + stiff * load8(f + l));
-            store8(influence + at * all + l, load8(f + l));
+         const four stiff[2] = {load(stiffness + 8 * at), load(stiffness + 8 * at + 4)};
+         for (int l = 0; l < all; l += 4) {
+            store(q + l, load(q + l) + stiff[l / 4 % 2] * load(f + l));
+            store(influence + at * all + l, load(f + l));
          }
-         store8(q + all - 8, load8(q + all - 8) + load8(row + 8 * at));
+         for (int i = 0; i < 8; i += 4)
+            store(q + all - 8 + i, load(q + all - 8 + i) + load(row + 8 * at + i));
       }
    }
 }

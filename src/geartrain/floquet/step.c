@@ -139,12 +139,8 @@ VERSIONS void geartrain_step(int width, int chain, int coordinates, int elements
       chain ? CARRY(3, 1) : CARRY(3, 0);
 }
 
-/* Numbers of four elements, each for both vectors. */
-INLINE eight twice(const double *p)
-{
-   const four v = load(p);
-   return __builtin_shufflevector(v, v, 0, 0, 1, 1, 2, 2, 3, 3);
-}
+/* Numbers of two elements, each for both vectors. */
+INLINE four twice(const double *p) { return (four){p[0], p[0], p[1], p[1]}; }
 
 /* Carries a pair of vectors of a large train over a step, as `geartrain_step` does columns. The two numbers of an element lie together,
    and so do all elements. Derivatives are over factorials: Leibniz' rule has no binomials.
@@ -161,49 +157,51 @@ INLINE eight twice(const double *p)
      weight(degree + 1)             weights of the derivatives at the end
      work                           room for rows (degree + 4) + 32 numbers
      x(row, 2)                      displacements and velocities, in and out */
-WIDE_VERSIONS void geartrain_step_pair(int rows, int varying, int degree, int terms, const double *restrict spring,
-                                       const double *restrict damper, const double *restrict kappa, int diagonals,
-                                       const int *restrict offset, const int *restrict low, const int *restrict high,
-                                       const double *restrict share, int rest, const int *restrict to, const int *restrict number,
-                                       const int *restrict from, const double *restrict factor, const double *restrict weight, double *restrict work,
-                                       double *restrict x)
+VERSIONS void geartrain_step_pair(int rows, int varying, int degree, int terms, const double *restrict spring,
+                                  const double *restrict damper, const double *restrict kappa, int diagonals,
+                                  const int *restrict offset, const int *restrict low, const int *restrict high,
+                                  const double *restrict share, int rest, const int *restrict to, const int *restrict number,
+                                  const int *restrict from, const double *restrict factor, const double *restrict weight, double *restrict work,
+                                  double *restrict x)
 {
    double *restrict margin = (double *)(((uintptr_t)work + 63) & ~(uintptr_t)63);
    double *restrict psi = margin + 8;
    double *restrict ahead = psi + rows + 8;
    double *restrict p = ahead + varying;
 
-   store8(margin, (eight){0});
-   store8(psi + rows, (eight){0});
-   for (int n = 0; n < 2 * rows; n += 8)
-      store8(p + n, load8(x + n));
+   for (int n = 0; n < 8; n += 4) {
+      store(margin + n, (four){0});
+      store(psi + rows + n, (four){0});
+   }
+   for (int n = 0; n < 2 * rows; n += 4)
+      store(p + n, load(x + n));
    for (int k = 0; k < degree; k++) {
       const double *restrict here = p + k * rows;
       double *restrict next = p + (k + 2) * rows;
       const double scale = 1 / ((k + 1.0) * (k + 2.0)), rate = k + 1;
       const int last = terms < k + 1 ? terms : k + 1;
-      for (int n = 0; n < rows; n += 8) {
-         eight sum = twice(spring + n / 2) * load8(here + n) + rate * twice(damper + n / 2) * load8(here + rows + n);
+      for (int n = 0; n < rows; n += 4) {
+         four sum = twice(spring + n / 2) * load(here + n) + rate * twice(damper + n / 2) * load(here + rows + n);
          if (n < varying && k % 2)
-            sum += twice(kappa + n / 2) * load8(here + n) + load8(ahead + n);
+            sum += twice(kappa + n / 2) * load(here + n) + load(ahead + n);
          else if (n < varying) {
             /* What the terms make of the derivatives so far, for this product and for the next: each is fetched once. */
-            eight factor = twice(kappa + n / 2), part = {0};
+            four factor = twice(kappa + n / 2), part = {0};
             for (int l = 0; l < last; l++) {
-               const eight q = load8(here - l * rows + n);
+               const four q = load(here - l * rows + n);
                sum += factor * q;
                factor = twice(kappa + ((l + 1) * varying + n) / 2);
                part += factor * q;
             }
-            store8(ahead + n, part);
+            store(ahead + n, part);
          }
          sum *= scale;
-         store8(psi + n, sum);
-         store8(next + n, sum);
+         store(psi + n, sum);
+         store(next + n, sum);
       }
       for (int d = 0; d < diagonals; d++)
-         for (int n = low[d]; n < high[d]; n += 8)
-            store8(next + n, load8(next + n) + twice(share + (d * rows + n) / 2) * load8(psi + n + offset[d]));
+         for (int n = low[d]; n < high[d]; n += 4)
+            store(next + n, load(next + n) + twice(share + (d * rows + n) / 2) * load(psi + n + offset[d]));
       const int *restrict column = from;
       const double *restrict value = factor;
       for (int i = 0; i < rest; i++) {
@@ -213,13 +211,13 @@ WIDE_VERSIONS void geartrain_step_pair(int rows, int varying, int degree, int te
          *(two *)(next + to[i]) = sum;
       }
    }
-   for (int n = 0; n < rows; n += 8) {
-      eight displacement = {0}, velocity = {0};
+   for (int n = 0; n < rows; n += 4) {
+      four displacement = {0}, velocity = {0};
       for (int k = 0; k <= degree; k++) {
-         displacement += weight[k] * load8(p + k * rows + n);
-         velocity += (k + 1) * weight[k] * load8(p + (k + 1) * rows + n);
+         displacement += weight[k] * load(p + k * rows + n);
+         velocity += (k + 1) * weight[k] * load(p + (k + 1) * rows + n);
       }
-      store8(x + n, displacement);
-      store8(x + rows + n, velocity);
+      store(x + n, displacement);
+      store(x + rows + n, velocity);
    }
 }

@@ -1,40 +1,27 @@
 /* Makes a pair of vectors orthogonal to many others (arnoldi.f90). In C, because only there a compiler makes a function in versions
    for several processors. The others come from a far cache or from memory: three times for a pair that is made orthogonal twice. */
 
-#include <stdint.h>
-
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
-#define VERSIONS __attribute__((target_clones("avx512f", "fma", "default"), optimize("O3")))
-#define INLINE static inline __attribute__((always_inline, optimize("O3")))
-#else
-#define VERSIONS
-#define INLINE static inline
-#endif
+#include "vectors.h"
 
 /* Rows of a panel, which stays in a near cache; basis vectors that are read side by side. */
 enum { PANEL = 128, SIDE = 4 };
 
-typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
-
-#pragma GCC diagnostic ignored "-Wpsabi"
-INLINE eight load8(const double *p) { return *(const eight *)p; }
-INLINE void store8(double *p, eight v) { *(eight *)p = v; }
-INLINE double sum8(eight v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
+INLINE double sum_of(four v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
 /* factor(j, k) += basis(:, j) . w(:, k) over `rows` rows, for `side` basis vectors; w minus the sum over j of factor(j, k) basis(:, j). */
 INLINE void add_products(const int side, int rows, int n, int m, const double *restrict v, const double *restrict w,
                          double *restrict factor)
 {
-   eight sum[SIDE][2] = {{{0}}};
+   four sum[SIDE][2] = {{{0}}};
    int i = 0;
 
-   for (; i + 8 <= rows; i += 8)
+   for (; i + 4 <= rows; i += 4)
       for (int j = 0; j < side; j++)
          for (int k = 0; k < 2; k++)
-            sum[j][k] += load8(v + (int64_t)j * n + i) * load8(w + (int64_t)k * n + i);
+            sum[j][k] += load(v + (int64_t)j * n + i) * load(w + (int64_t)k * n + i);
    for (int j = 0; j < side; j++)
       for (int k = 0; k < 2; k++) {
-         double rest = sum8(sum[j][k]);
+         double rest = sum_of(sum[j][k]);
          for (int l = i; l < rows; l++)
             rest += v[(int64_t)j * n + l] * w[(int64_t)k * n + l];
          factor[k * m + j] += rest;
@@ -45,12 +32,12 @@ INLINE void subtract(const int side, int rows, int n, int m, const double *restr
 {
    int i = 0;
 
-   for (; i + 8 <= rows; i += 8)
+   for (; i + 4 <= rows; i += 4)
       for (int k = 0; k < 2; k++) {
-         eight x = load8(w + (int64_t)k * n + i);
+         four x = load(w + (int64_t)k * n + i);
          for (int j = 0; j < side; j++)
-            x -= factor[k * m + j] * load8(v + (int64_t)j * n + i);
-         store8(w + (int64_t)k * n + i, x);
+            x -= factor[k * m + j] * load(v + (int64_t)j * n + i);
+         store(w + (int64_t)k * n + i, x);
       }
    for (; i < rows; i++)
       for (int k = 0; k < 2; k++)
