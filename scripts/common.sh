@@ -1,5 +1,5 @@
 # Sourced by the other scripts: starts them in the clone, with the same surroundings everywhere.
-unset CDPATH PYTHONPATH PYTHONHOME
+unset CDPATH PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 export PATH="$PWD/.venv/bin:$PATH" PIP_DISABLE_PIP_VERSION_CHECK=1 MPLBACKEND=Agg
 exec </dev/null
