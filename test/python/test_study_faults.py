@@ -26,7 +26,7 @@ from geartrain.studies.study_worker import STOPPED, compute_batch
 
 pytestmark = pytest.mark.full
 
-POINTS = 60
+POINTS = 30
 KEEP = ["jumps", "largest rms", "frequency"]
 
 
@@ -42,7 +42,7 @@ def whole(tmp_path_factory):
 
 @pytest.fixture
 def folder(tmp_path):
-    """A study that is begun, in thirty batches."""
+    """A study that is begun, a batch for each point."""
     study().prepare(tmp_path / "runs", parts=30)
     return tmp_path / "runs"
 
@@ -58,6 +58,13 @@ def kill_all(process):
     """The process and whatever it has started, which is in its session."""
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
+
+
+def until_claimed(folder, process):
+    """Waits until a process has begun a point, or has ended."""
+    deadline = time.monotonic() + 60
+    while process.poll() is None and not any((folder / "claims").iterdir()) and time.monotonic() < deadline:
+        time.sleep(0.01)
 
 
 def alive(session):
@@ -93,11 +100,13 @@ def killing(tmp_path, torque, once=False):
     """)
 
 
-def test_killed_at_any_moment_and_run_again(folder, whole):
+def test_killed_at_any_moment_and_run_again(folder, whole, times):
+    """Each time while points are computed, as long as there are any."""
     moments = random.Random(4)
-    for _ in range(6):
+    for _ in range(times(6, share=2)):
         process = command(folder, "--workers", "2")
-        time.sleep(moments.uniform(0.5, 2.0))
+        until_claimed(folder, process)
+        time.sleep(moments.uniform(0.0, 0.1))
         kill_all(process)
     assert is_whole(folder, whole)
 
@@ -142,9 +151,7 @@ def test_the_workers_of_a_killed_client_end(folder, whole):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_stop_writes_what_is_done(folder, whole, number, workers):
     process = command(folder, "--workers", str(workers))
-    deadline = time.monotonic() + 60
-    while not any((folder / "claims").iterdir()) and time.monotonic() < deadline:
-        time.sleep(0.01)
+    until_claimed(folder, process)
     os.killpg(process.pid, number)
     _, said = process.communicate(timeout=30)
     assert process.returncode == 3 and "the same call goes on from there" in said and "Traceback" not in said, said
@@ -168,6 +175,23 @@ def test_a_stop_at_any_moment_leaves_no_claim(folder):
     with ProcessPoolExecutor(1, get_context("spawn"), stop_after_a_claim) as pool:
         assert pool.submit(compute_batch, str(folder), store.plan().digest, 0).result() == STOPPED
     assert not any(store.claims.iterdir()) and not any(store.suspects.iterdir()) and not computed(folder)
+
+
+def test_a_stop_of_the_client_leaves_no_claim(folder, monkeypatch):
+    """Ctrl-C in the midst of a claim in the process of the study itself, which lives on and would count as its owner."""
+    make = Claim.make
+
+    def interrupted(path):
+        signal.raise_signal(signal.SIGINT)
+        return make(path)
+
+    monkeypatch.setattr(Claim, "make", interrupted)
+    store = Store(folder)
+    with pytest.raises(KeyboardInterrupt):
+        compute_batch(str(folder), store.plan().digest, 0)
+    assert not any(store.claims.iterdir()) and not any(store.suspects.iterdir()) and not computed(folder)
+    monkeypatch.undo()
+    assert compute_batch(str(folder), store.plan().digest, 0) == "over"
 
 
 def test_many_processes_share_a_study(folder, whole):
@@ -244,7 +268,7 @@ def test_a_full_disk_is_told_and_the_rest_kept(folder, whole):
 
 
 def test_a_full_file_system_in_memory(folder, whole, tmp_path):
-    script = 'mount -t tmpfs -o size=400k none "$1" && cp -r "$2"/. "$1" && ' \
+    script = 'mount -t tmpfs -o size=200k none "$1" && cp -r "$2"/. "$1" && ' \
              '"$3" -m geartrain.studies.study_command "$1" --workers 1; ' \
              'echo status $?; rm -f "$1"/batches/*.tmp; cp -r "$1"/batches/. "$2"/batches'
     disk = tmp_path / "disk"
@@ -314,7 +338,7 @@ def test_a_broken_pool_of_the_user_is_told(tmp_path, whole, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", environment["PYTHONPATH"])
     with ProcessPoolExecutor(2, get_context("spawn")) as pool, pytest.raises(gt.SolverError, match="goes on"):
         study().run(tmp_path / "runs", pool)
-    with pytest.warns(UserWarning, match="1 of 60 points failed, the first with killed its process"):
+    with pytest.warns(UserWarning, match=f"1 of {POINTS} points failed, the first with killed its process"):
         found = study().run(tmp_path / "runs")  # in this process, which the point would kill were it not suspected
     assert found.status[17] == "set aside" and (found.status != "done").sum() == 1
 

@@ -11,6 +11,7 @@ import errno
 import fcntl
 import json
 import os
+import signal
 import socket
 import stat
 import threading
@@ -261,17 +262,19 @@ class Store:
     @contextlib.contextmanager
     def claim(self, name: str) -> Iterator[Claim | None]:
         """Claim a batch for as long as the context lasts; None where a living process has claimed it."""
-        path = self.claims / name
-        claimed = Claim.make(path) or (Claim.make(path) if self._bury(path) else None)
-        if claimed is None:
-            yield None
-            return
+        path, claimed = self.claims / name, None
         try:
+            with _uninterrupted():  # a claim half made would be nobody's
+                claimed = Claim.make(path) or (Claim.make(path) if self._bury(path) else None)
+            if claimed is None:
+                yield None
+                return
             with claimed:
                 yield claimed
         finally:
-            with contextlib.suppress(OSError):
-                path.unlink()
+            if claimed is not None:
+                with contextlib.suppress(OSError):
+                    path.unlink()
 
     def _bury(self, path: Path) -> bool:
         """Remove the claim of a dead process; the point that it was at is a suspect."""
@@ -296,6 +299,26 @@ class Store:
             (self.suspects / key.decode()).touch()
         aside.unlink()
         return True
+
+
+@contextlib.contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """In the main thread signals that ask for an end wait until the context is left."""
+    came: list[int] = []
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        for number, handler in before.items():
+            if callable(handler):
+                signal.signal(number, lambda number, _: came.append(number))
+        yield
+    finally:
+        for number, handler in before.items():
+            if callable(handler):
+                signal.signal(number, handler)
+        for signum in came:
+            signal.raise_signal(signum)
 
 
 def _content(path: Path) -> bytes:
