@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from gearboxes import PLANETARY_TURBINE, train_of
-from scipy.integrate import solve_ivp
 
 import geartrain as gt
 
@@ -60,35 +59,50 @@ class Turbine:
         return cosine - 1j * sine
 
     def fly(self, rpm, begin, length, samples):
-        """Mesh displacements [m] from rest, at instants of the last part of a flight."""
-        omega, n = self.order * rpm * 2 * np.pi / 60, len(BODIES)
-        # Errors, their rates and the variation of the stiffness.
-        factors = np.stack([self.error, self.error * 1j * np.outer(omega, np.arange(1, 4)), self.kappa]).swapaxes(1, 2)
-        columns = self.rows.T.copy()
+        """Mesh displacements [m] from rest, at instants of the last part of a flight.
 
-        def displacements(t, y):
-            wave = np.exp(1j * omega * t)
-            square = wave * wave
-            error, rate, kappa = (factors * (wave, square, square * wave)).real.sum(axis=1)
-            p, v = y.reshape(2, n) @ columns
-            p[4:] += error
-            v[4:] += rate
-            return p, v, 1 + kappa
+        Runge and Kutta's method of order 4 with equal steps, so that all excitations are known before the flight. With four steps
+        a sample, an eighth of the period of the fastest mode, displacements are within 5e-5 of their range.
+        """
+        n, each = len(BODIES), 4
+        step = length / (samples - 1) / each
+        steps = round((begin + length) / step)
+        columns, divided = self.rows.T, self.rows.T / self.inertia[:, None]
+        # Excitations at the beginnings and the midpoints of the steps: errors, their damping forces over the inertias, stiffness.
+        omega = self.order * rpm * 2 * np.pi / 60
+        wave = np.exp(1j * np.outer(step / 2 * np.arange(2 * steps + 1), omega))
+        wave = np.stack([wave, wave**2, wave**3])
+        error = np.einsum("hkm,mh->km", wave, self.error).real
+        rate = np.einsum("hkm,mh->km", wave, self.error * 1j * np.outer(omega, np.arange(1, 4))).real
+        stiffness = self.stiffness[4:] * (1 + np.einsum("hkm,mh->km", wave, self.kappa).real)
+        driven = np.zeros((len(error), 2 * n))
+        driven[:, n:] = self.torque / self.inertia - (rate * self.damping[4:]) @ divided[:, 4:].T
+        linear = np.zeros((2 * n, 2 * n))
+        linear[:n, n:] = np.eye(n)
+        linear[n:, :n] = -(divided[:, :4] * self.stiffness[:4]) @ columns[:, :4].T
+        linear[n:, n:] = -(divided * self.damping) @ columns.T
+        displacement = np.hstack([columns[:, 4:].T, np.zeros((len(self.meshes), n))])
+        push = np.vstack([np.zeros((n, len(self.meshes))), -divided[:, 4:]])
+        high, low = self.half, -self.half
 
-        def rates(t, y):
-            p, v, kappa = displacements(t, y)
-            force = self.stiffness * p + self.damping * v
-            gap = p[4:] - np.minimum(np.maximum(p[4:], -self.half), self.half)
-            force[4:] = self.stiffness[4:] * kappa * gap + self.damping[4:] * v[4:]
-            return np.concatenate([y[n:], (self.torque - columns @ force) / self.inertia])
+        def rates(k, y):
+            p = displacement @ y + error[k]
+            return linear @ y + driven[k] + push @ (stiffness[k] * (p - np.minimum(np.maximum(p, low), high)))
 
         rest = np.linalg.lstsq(self.rows.T, self.torque, rcond=None)[0]
         twist = rest / self.stiffness
         twist[4:] += np.sign(rest[4:]) * self.half
-        start = np.concatenate([np.linalg.lstsq(self.rows, twist, rcond=None)[0], np.zeros(n)])
-        t = np.linspace(begin, begin + length, samples)
-        found = solve_ivp(rates, (0, t[-1]), start, method="DOP853", rtol=1e-7, atol=1e-11, t_eval=t)
-        return t, np.array([displacements(*at)[0][4:] for at in zip(t, found.y.T, strict=True)])
+        y = np.concatenate([np.linalg.lstsq(self.rows, twist, rcond=None)[0], np.zeros(n)])
+        first, kept = steps - each * (samples - 1), []
+        for k in range(steps + 1):
+            if k >= first and (k - first) % each == 0:
+                kept.append(displacement @ y + error[2 * k])
+            if k < steps:
+                one = rates(2 * k, y)
+                two = rates(2 * k + 1, y + step / 2 * one)
+                three = rates(2 * k + 1, y + step / 2 * two)
+                y = y + step / 6 * (one + 2 * (two + three) + rates(2 * k + 2, y + step * three))
+        return step * (first + each * np.arange(samples)), np.array(kept)
 
 
 def test_mesh_frequencies_are_near_those_of_the_teeth(turbine):
@@ -120,7 +134,7 @@ def test_its_response(turbine):
     "rpm", [pytest.param(rpm, marks=pytest.mark.full if rpm == 1500 else pytest.mark.nightly) for rpm in (1130.0, 1500.0, 1799.0)])
 def test_a_motion_is_that_of_the_exact_ratios(turbine, rpm):
     """Amplitudes of the strongest lines, at their exact frequencies, after 1.6 s from rest. The slowest mode, 2.84 Hz, rings on."""
-    branch = turbine.response(start=rpm - 0.5, stop=rpm + 0.5, unit="rpm", harmonics=0, tolerance=1e-3, stability=False)
+    branch = turbine.response(start=rpm, stop=rpm + 1, unit="rpm", harmonics=0, tolerance=1e-3, stability=False, max_points=2)
     (motion,) = branch.at(rpm, unit="rpm")
     equations = Turbine(turbine)
     nearby = np.array([turbine.explain()[f"mesh {number}"]["order"] for number in (3, 1, 2)])
