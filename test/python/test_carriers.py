@@ -260,7 +260,7 @@ def test_run_up(changes):
     ramp = Flow(model, start).accelerate((stop - start) / (duration * model.omega), acceleration)
     steady = Flow(model, start)
     steady.mean_torque = ramp.mean_torque
-    state = steady.shoot(steady.settle(60)).state
+    state = steady.shoot(steady.settle(15)).state
     found = train.run_up(start=start, stop=stop, duration=duration)
     time = 0.0
     for sample in (0, 50, 150, 300):

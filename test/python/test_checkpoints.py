@@ -111,13 +111,13 @@ def test_python_refuses_and_the_rest_is_whole(checkpoints, kind):
 
 
 @pytest.mark.parametrize(("kind", "analyses"), [
-    ("response", "&response from = 0.2, to = 2.6, step = 0.0006, max_points = 100000 /\n"),
+    pytest.param("response", "&response from = 0.2, to = 2.6, step = 0.0006, max_points = 100000 /\n", marks=pytest.mark.nightly),
     pytest.param("doublings", "&response from = 1.6, to = 4.2, period_doublings = 1, step = 0.0005, max_points = 100000 /\n",
                  marks=pytest.mark.nightly),
     pytest.param("attractors", "&attractors frequency = 0.6, starts = 300 /\n", marks=pytest.mark.nightly),
     ("map", "&stability_map from = 0.4, to = 1.6, points = 40, parameter_from = 0.01, parameter_to = 0.1,\n"
             "   parameter_points = 200 /\n"),
-    ("run_up", "&run_up from = 0.2, to = 2.6, duration = 12.0, samples = 1 /\n"),
+    pytest.param("run_up", "&run_up from = 0.2, to = 2.6, duration = 12.0, samples = 1 /\n", marks=pytest.mark.nightly),
 ])
 def test_the_same_bits_from_a_whole_one(executable, tmp_path, kind, analyses):
     """Quick cases of every kind, gone on with from their first checkpoints: what a checkpoint as it was written gives."""

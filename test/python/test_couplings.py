@@ -144,7 +144,7 @@ def test_energy_loss_of_branches(tmp_path):
 @pytest.mark.full
 def test_random_networks(times):
     compared = 0
-    for seed in range(times(200, 20)):
+    for seed in range(times(200, 40)):
         train = random_train(seed)
         motion = train.integrate(frequency=0.2 + 0.03 * (seed % 11))
         if not motion.period or motion.period > 4:
@@ -165,7 +165,7 @@ def test_random_networks(times):
             torque = torque_of(coupling, twist) + coupling.damping * rate
             assert path.mesh_force[:, place] == pytest.approx(torque, abs=1e-9 * abs(torque).max()), seed
             assert motion.coupling_torque_maximum[place - len(train.meshes)] >= torque.max() - 1e-9 * abs(torque).max(), seed
-    assert compared >= 0.6 * times(200, 20)
+    assert compared >= 0.6 * times(200, 40)
 
 
 # Every analysis

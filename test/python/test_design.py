@@ -42,8 +42,8 @@ def test_least_change_puts_the_jump_at_the_limit():
     assert abs(change @ scaled) == pytest.approx(np.linalg.norm(change) * np.linalg.norm(scaled), rel=1e-5)
 
 
-def test_probability_of_a_jump():
-    found = design.reliability(0.86, samples=400)
+def test_probability_of_a_jump(times):
+    found = design.reliability(0.86, samples=times(400, share=4))
     assert found.first_order == pytest.approx(found.second_order, rel=0.02)
     assert abs(found.monte_carlo - found.second_order) < 2 * found.error  # four standard deviations
 

@@ -369,11 +369,11 @@ print(len(paper_train().natural_frequencies()), "alive", flush=True)
 """
 
 
-def test_interrupts_at_any_moment(request):
+def test_interrupts_at_any_moment(request, times):
     """In the midst of Fortran, between two calls, while results are copied: always the exception and nothing else."""
     code = INTERRUPTED.format(folder=str(request.path.parent))
     moments = random.Random(7)
-    for _ in range(6):
+    for _ in range(times(6, share=2)):
         child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         request.addfinalizer(child.kill)
         assert child.stdout.readline() == "ready\n"

@@ -17,6 +17,12 @@ def doubled():
     return paper_train().response(start=0.2, stop=2.6, period_doublings=1).branches
 
 
+@pytest.fixture(scope="module")
+def whole(doubled):
+    """The branches, refined as they are."""
+    return [branch.refine() for branch in doubled]
+
+
 def refined(branch, noise):
     """Refined from the same motions a period of the excitation later, where odd harmonics of a doubled motion change sign."""
     random = np.random.default_rng(1)
@@ -35,9 +41,8 @@ def beside_folds(branch, reach=4):
 
 @pytest.mark.full
 @pytest.mark.parametrize("number", [0, 1])
-def test_refined_points_keep_their_side(doubled, number):
-    branch = doubled[number]
-    plain = branch.refine()
+def test_refined_points_keep_their_side(doubled, whole, number):
+    branch, plain = doubled[number], whole[number]
     near = beside_folds(branch)
     assert len(near) > 30
     for noise in NOISE:
@@ -55,16 +60,15 @@ def test_refined_points_keep_their_side(doubled, number):
 
 
 @pytest.mark.full
-def test_side_is_that_of_the_branch(doubled):
+def test_side_is_that_of_the_branch(doubled, whole):
     """Between two folds the number of real multipliers above 1 stays odd or even, to the last point beside either fold."""
-    for branch in doubled:
-        whole = branch.refine()
-        real = (whole.multipliers.imag == 0) & (whole.multipliers.real > 1)
+    for branch, exact in zip(doubled, whole, strict=True):
+        real = (exact.multipliers.imag == 0) & (exact.multipliers.real > 1)
         odd = real.sum(axis=1) % 2
         turns = {at.point + 1 for at in branch.special_points if at.kind in ("fold", "branch point")}
         turns |= {0, len(odd), *(np.flatnonzero(np.diff(branch.segment)) + 1)}
         for first, last in pairwise(sorted(turns)):
-            kept = [at for at in range(first, last) if whole.correction[at] > 0]
+            kept = [at for at in range(first, last) if exact.correction[at] > 0]
             assert len({int(odd[at]) for at in kept}) <= 1, (branch.frequency[first], branch.frequency[last - 1])
 
 

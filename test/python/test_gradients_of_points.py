@@ -76,7 +76,7 @@ def test_random_trains(seed):
 
 @pytest.mark.full
 def test_more_random_trains(times):
-    counts = np.sum([compare(*of_random_train(seed)) for seed in range(100, 100 + times(400, 20))], axis=0)
+    counts = np.sum([compare(*of_random_train(seed)) for seed in range(100, 100 + times(400, 40))], axis=0)
     assert counts[0] > 10 * counts[1]
 
 

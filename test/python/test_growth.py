@@ -69,7 +69,7 @@ def test_slow_beats(variation, start, stop):
     """Two meshes drift past one another in 703 cycles; the train is stable in one part of the beat and unstable in another."""
     orders = (2807, 2811)
     train = hunting_train(variation, 0.03, half_backlash=0.0, orders=orders, share=1)
-    own, whole = by_both(train, start * SLOW / orders[0], stop * SLOW / orders[0], 60)
+    own, whole = by_both(train, start * SLOW / orders[0], stop * SLOW / orders[0], 30)
     np.testing.assert_array_equal(own.stable, whole.stable)
     np.testing.assert_allclose(own.growth_rate, whole.growth_rate, rtol=5e-3)
 
@@ -77,7 +77,7 @@ def test_slow_beats(variation, start, stop):
 @pytest.mark.full
 def test_multipliers_beyond_all_numbers():
     train = hunting_train(0.5, 0.03, half_backlash=0.0, orders=(2807, 2811), share=1)
-    own, whole = (train.response(start=1.6 / 2807, stop=2.1 / 2807, harmonics=0, tolerance=1e-2, max_points=60, multipliers=asked)
+    own, whole = (train.response(start=1.6 / 2807, stop=2.1 / 2807, harmonics=0, tolerance=1e-2, max_points=25, multipliers=asked)
                   for asked in (False, True))
     beyond = ~np.isfinite(abs(whole.multipliers)).all(axis=1)
     assert beyond.any()

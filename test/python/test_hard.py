@@ -89,7 +89,7 @@ def test_what_floats_is_said_in_the_file(tmp_path, executable):
 
 
 @pytest.mark.full
-def test_a_slow_vibration_between_two_motions():
+def test_a_slow_vibration_between_two_motions(times):
     # The vibration is larger than the distance of the two motions. Integration must name the motion that a long flight reaches.
     train = gt.Train(
         characteristic_length=3e-5, characteristic_frequency=1e4,
@@ -103,7 +103,7 @@ def test_a_slow_vibration_between_two_motions():
     frequency, random = 0.54662, np.random.default_rng(1)
     goal = train.attractors(frequency, starts=6, max_periods=3000)[0].state
     reached = set()
-    for _ in range(24):
+    for _ in range(times(24, share=2)):
         start = goal + random.choice([1, 3]) * random.normal(size=6) * [1, 0.1, 0.1, 0.3, 0.3, 0.3]
         whole = train.integrate(frequency, start=start, max_periods=1, tolerance=1e-20).trajectory(3000, samples=4).section
         motion = train.integrate(frequency, start=start)

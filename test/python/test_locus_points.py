@@ -145,7 +145,7 @@ def test_a_neimark_sacker_curve_ends_where_its_pair_becomes_real():
         assert np.abs(np.abs(pair) - 1).min() < 1e-6
 
 
-def test_a_fold_goes_on_beyond_grazings():
+def test_a_fold_goes_on_beyond_grazings(times):
     """Where mesh 2 comes to the wall at the less deep of its minima: the curve has a corner, and goes on with two events more."""
     train = paper_train()
 
@@ -174,7 +174,7 @@ def test_a_fold_goes_on_beyond_grazings():
     # Beyond the first: folds of other trains, whose curves are the same one.
     cusp = next(point for point in locus.special_points if point.kind == "cusp")
     beyond = slice(first.point + 2, None) if cusp.point < first.point else slice(first.point - 1, None, -1)
-    for value in (0.34, 0.4, 0.45):
+    for value in (0.34, 0.4, 0.45)[:times(3)]:
         expected = np.interp(value, locus.parameter[beyond], locus.frequency[beyond])
         other, found = fold_at(value, expected)
         assert found.frequency == pytest.approx(expected, abs=2e-4)

@@ -258,10 +258,11 @@ def paper_case(folder, analyses):
 @pytest.mark.parametrize(("analyses", "words"), [
     (SLOW, r"response: about [\d.]+ (s|min|h) expected: "
            r"(verdicts take \d+ % of the time: stability = \.false\. takes about .*|a point takes .*)"),
-    ("&integration from = 0.2, to = 2.6, points = 100000, direction = 'both' /\n",
-     r"integration: about \d+ (s|min|h) expected: 200000 points of .*"),
-    ("&attractors frequency = 0.6, starts = 100000 /\n", r"attractors: about \d+ (s|min|h) expected: 100000 points of .*"),
-    ("&run_up from = 0.2, to = 2.6, duration = 1000.0, samples = 1 /\n", r"run up: about \d+ (s|min|h) expected"),
+    pytest.param("&integration from = 0.2, to = 2.6, points = 100000, direction = 'both' /\n",
+                 r"integration: about \d+ (s|min|h) expected: 200000 points of .*", marks=pytest.mark.nightly),
+    pytest.param("&attractors frequency = 0.6, starts = 100000 /\n",
+                 r"attractors: about \d+ (s|min|h) expected: 100000 points of .*", marks=pytest.mark.nightly),
+    ("&run_up from = 0.2, to = 2.6, duration = 300.0, samples = 1 /\n", r"run up: about \d+ (s|min|h) expected"),
     ("&stability_map from = 0.4, to = 1.6, points = 200, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 2000 /\n",
      r"stability map: about \d+ (s|min|h) expected: 2000 rows of .*"),
 ])

@@ -177,7 +177,7 @@ def test_a_short_ramp_against_scipy(turbine):
 
 def cases(full):
     """Trains and speeds, and how many cycles of the slowest mesh their windows have."""
-    yield from ((wind_turbine(), speed, 100) for speed in (np.linspace(1100.0, 1900.0, 9) if full else (1500.0,)))
+    yield from ((wind_turbine(), speed, 100 if full else 40) for speed in (np.linspace(1100.0, 1900.0, 9) if full else (1500.0,)))
     if full:
         yield from ((wind_turbine(3e4), speed, 100) for speed in (1200.0, 1500.0))
         yield from ((stages((23, 101), (19, 107), (17, 61)), speed, 100) for speed in (800.0, 1000.0, 1500.0))
@@ -221,9 +221,10 @@ except gt.Interrupted as stop:
 
 @pytest.mark.full
 @pytest.mark.parametrize(("call", "wait"), [
-    ("sweep(start=1400.0, stop=1800.0, points=1000, unit='rpm')", 0.3), ("sweep(start=1400.0, stop=1800.0, points=1000)", 1.0),
-    ("integrate(1400.0, window=1000)", 0.8), ("run_up(start=1400.0, stop=1410.0, duration=500.0, samples=1000)", 0.2),
-    ("run_up(start=1400.0, stop=1410.0, duration=500.0, samples=1000)", 2.0),
+    ("sweep(start=1400.0, stop=1800.0, points=1000, unit='rpm')", 0.3), ("integrate(1400.0, window=1000)", 0.8),
+    ("run_up(start=1400.0, stop=1410.0, duration=500.0, samples=1000)", 0.2),
+    pytest.param("sweep(start=1400.0, stop=1800.0, points=1000)", 1.0, marks=pytest.mark.nightly),
+    pytest.param("run_up(start=1400.0, stop=1410.0, duration=500.0, samples=1000)", 2.0, marks=pytest.mark.nightly),
 ])
 def test_interrupted_at_once(call, wait):
     """Within 0.3 s of processor time, which other work on the machine does not make longer."""
@@ -232,7 +233,7 @@ def test_interrupted_at_once(call, wait):
     assert float(done.stdout.split()[0]) < 0.3 and "stopped by Ctrl-C" in done.stdout, done
 
 
-@pytest.mark.full
+@pytest.mark.nightly
 def test_in_contact_with_many_harmonics():
     """2279 cycles, some 500 harmonics at 1e-3, and no teeth part."""
     train = stages((20, 43), (19, 53), (17, 61), error_cos=3e-6)
@@ -255,9 +256,12 @@ def test_teeth_that_part_in_a_long_period_end_early():
 @pytest.mark.full
 def test_the_balance_agrees_with_windows(turbine, times):
     """Two methods that share neither period nor harmonics: the response to 1e-3, and its verdicts, against settled motions."""
-    branch = turbine.response(start=1100, stop=1900, unit="rpm", harmonics=0, tolerance=1e-3)
+    settings = {"unit": "rpm", "harmonics": 0, "tolerance": 1e-3}
+    speeds = np.random.default_rng(3).uniform(1105, 1895, times(40))
+    branch = turbine.response(start=1100, stop=1900, **settings) if len(speeds) == 40 else None
     within = []
-    for speed in np.random.default_rng(3).uniform(1105, 1895, times(40)):
+    for speed in speeds:
+        branch = branch if len(speeds) == 40 else turbine.response(start=speed, stop=speed + 1, max_points=2, **settings)
         [motion], window = branch.at(speed, unit="rpm"), turbine.integrate(speed, unit="rpm")
         assert motion.stable and window.kind == "stationary"
         for name in ("rms", "mesh_force_maximum"):
@@ -275,7 +279,7 @@ def test_published_gearboxes(text, speeds):
     """Balance and integration agree to the error estimates of the meshes, within a factor of 3, and the window's uncertainty."""
     train = train_of(text)
     for speed in speeds:
-        branch = train.response(start=speed - 1, stop=speed + 1, unit="rpm", harmonics=0, tolerance=1e-3)
+        branch = train.response(start=speed, stop=speed + 1, unit="rpm", harmonics=0, tolerance=1e-3, max_points=2)
         balanced, integrated = branch.at(speed, unit="rpm")[0], train.integrate(speed, unit="rpm")
         assert balanced.stable and integrated.kind in ("periodic", "stationary"), speed
         estimate = branch.to_dataset().mesh_error_estimate.max("point").values

@@ -49,7 +49,7 @@ def test_arrays_that_settings_ask_for(executable, tmp_path, analysis):
 def test_results_that_outgrow_the_memory_are_kept(executable, tmp_path):
     """A response of any number of points ends while there is still memory to write it."""
     analysis = "&response from = 0.2, to = 2.6, harmonics = 12, step = 1e-6, max_points = 10000000 /\n"
-    done = limited(executable, tmp_path, analysis, 500)
+    done = limited(executable, tmp_path, analysis, 400)
     assert done.returncode == 4 and "there is no memory for more results; those so far are kept" in done.stderr, done
     with h5py.File(tmp_path / "out.h5") as file:
         points = len(file["response/frequency"])

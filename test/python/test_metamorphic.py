@@ -69,9 +69,8 @@ def test_some_random_trains(times):
 
 @pytest.mark.full
 def test_random_trains(times):
-    """Every combination: 200 trains by day, 5000 by night."""
-    count = times(5000)
-    check(range(count if count == 5000 else 200))
+    """Every analysis and every transformation: 100 trains by day, 5000 with every combination by night."""
+    check(range(times(5000, share=50)))
 
 
 @pytest.mark.parametrize("transformation", TRANSFORMATIONS)

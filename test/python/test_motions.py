@@ -83,13 +83,13 @@ def test_a_gearbox_excited_at_high_harmonics_of_its_slowest_shaft():
 
 def test_coexisting_motions_of_a_single_pair():
     """Figures measured independently (README): two stable motions, and the unstable one between them."""
-    found = single_pair(0.4, stiffness_cos=[0.3]).motions(0.8, period=1, starts=20, seeds=20)
+    found = single_pair(0.4, stiffness_cos=[0.3]).motions(0.8, period=1, starts=10, seeds=10)
     assert [motion.stable for motion in found] == [True, True, False]
     assert sorted(float(motion.true_ac_rms[0]) for motion in found[:2]) == pytest.approx([0.251372945, 0.716758700], abs=1e-9)
 
 
 def test_a_missing_motion_is_told():
-    found = paper_train().motions(0.7, period=1, starts=20, seeds=10)
+    found = paper_train().motions(0.7, period=1, starts=5, seeds=5)
     fewer = gt.Motions([(motion, how) for motion, how in zip(found, found.how) if motion.stable], 0.7, {1: 1})
     assert fewer.complete is False and fewer.index_sum == {1: 3}
     assert "motions are missing: the sum of the indices is 3 of period 1 (must be 1)" in str(fewer)

@@ -107,9 +107,9 @@ def is_documented(error):
 
 
 def test_every_call_refuses_nonsense_in_words(found, tmp_path, monkeypatch, times):
-    """By day every seventh attempt, which is another kind of nonsense for each argument."""
+    """By day every nineteenth attempt of twenty for each argument, which is another kind of nonsense for the next one."""
     monkeypatch.chdir(tmp_path)
-    every = 7 if times(7) < 7 else 1
+    every = 19 if times(19) < 19 else 1
     objects, given = found
     wrong, count, names = [], 0, set()
     for name, call in calls_of(objects):

@@ -27,7 +27,7 @@ def test_published_indices_of_ishigamis_function(method):
 
 
 @pytest.mark.parametrize("method", [
-    pytest.param(method, marks=pytest.mark.nightly if method == "OpenTURNS" else ()) for method in sensitivity.METHODS])
+    pytest.param(method, marks=() if method == "SALib" else pytest.mark.nightly) for method in sensitivity.METHODS])
 def test_a_study_is_a_function_like_ishigamis(method, tmp_path):
     """The natural frequency of a gear pair is sqrt(k/m): for small variations half the relative change of k."""
     ranges = {"mesh 1 stiffness": (0.95, 1.05), "input_torque": (0.3, 0.5)}
