@@ -99,7 +99,7 @@ contains
       type(response_settings_type) :: settings
       integer :: i
 
-      do i = 1, tests%times(12)
+      do i = 1, merge(12, 1, tests%tier(nightly))
          call random_train(i + 1000*tests%seed, train, settings)
          call compare(tests, 'chain '//integer_text(i), train, settings)
       end do
@@ -155,7 +155,7 @@ contains
       class(tests_type), intent(inout) :: tests
       integer :: i
 
-      do i = 1, tests%times(40)
+      do i = 1, merge(40, 2, tests%tier(nightly))
          call compare_discs(i, tests%seed)
       end do
       ! A damping that is 0 couples meshes where it is not: their receptance has more entries.
