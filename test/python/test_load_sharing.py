@@ -155,14 +155,14 @@ def test_gradient_with_respect_to_an_error():
     train = misplaced((0.0, 1.5e-6, -1e-6))
     name, step = "mesh 2 error_mean", 3e-9
     motion = train.response(start=1.5, stop=1.51, harmonics=10, stability=False).at(1.5)[0]
+    changed = []
+    for sign in (-1, 1):
+        meshes = list(train.meshes)
+        meshes[1] = replace(meshes[1], error_mean=meshes[1].error_mean + sign * step)
+        changed += replace(train, meshes=meshes).response(start=1.5, stop=1.51, harmonics=10, stability=False).at(1.5)[:1]
     for figure in ("mean", "mesh_force_maximum"):
         found = motion.gradient(figure, [name])[:, 0]
-        values = []
-        for sign in (-1, 1):
-            meshes = list(train.meshes)
-            meshes[1] = replace(meshes[1], error_mean=meshes[1].error_mean + sign * step)
-            changed = replace(train, meshes=meshes).response(start=1.5, stop=1.51, harmonics=10, stability=False).at(1.5)[0]
-            values.append(getattr(changed, figure))
+        values = [getattr(other, figure) for other in changed]
         close(found, (values[1] - values[0]) / (2 * step), 1e-5, figure)
 
 

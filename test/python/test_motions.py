@@ -17,7 +17,7 @@ pytestmark = pytest.mark.full
 
 def test_figure_3_where_two_motions_of_period_2_coexist():
     """At 1.2 a second period-2 motion, unstable, lies between the two stable ones: neither a sweep nor a random start finds it."""
-    found = paper_train().motions(1.2, period=2, starts=20, seeds=20)
+    found = paper_train().motions(1.2, period=2, starts=6, seeds=6)
     assert [(motion.period, motion.stable) for motion in found] == [(1, True), (2, True), (2, False)]
     assert found.index_sum == found.expected_sum == {1: 1, 2: 1} and found.complete
     assert found.how[2].endswith((" from a random state", " from a random waveform"))

@@ -46,7 +46,7 @@ import sys
 sys.path.insert(0, {folder!r})
 from conftest import paper_train
 {before}
-print(len(paper_train().sweep(start=0.2, stop=2.6, points=500)))
+print(len(paper_train().sweep(start=0.2, stop=2.6, points=150)))
 """
 
 
@@ -61,7 +61,7 @@ def test_without_standard_error_or_tqdm_there_is_no_bar(request, before):
     before = "import geartrain._core.watch as watch; watch._PATIENCE = 0.1\n" + before
     code = LONG.format(folder=str(request.path.parent), before=before)
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode in (0, 120) and done.stdout == "500\n", done  # 120: Python itself cannot flush such a stream at its end
+    assert done.returncode in (0, 120) and done.stdout == "150\n", done  # 120: Python itself cannot flush such a stream at its end
 
 
 WITHOUT = """
