@@ -122,15 +122,18 @@ contains
    end subroutine go_to
 
    !> Goes on with another train of the same unknowns.
-   subroutine take(self, system)
+   subroutine take(self, system, beside)
       class(balance_type), intent(inout) :: self
       type(system_type), pointer, intent(in) :: system
+      !> A balance with the same harmonics at its latest `evaluate`, whose contact events are kept: for derivatives of its motion.
+      class(balance_type), intent(in), optional :: beside
       integer :: i
 
       self%varies = .true.
       self%system => system
       do i = 1, self%unknowns
          call self%contact(i)%setup(system%law(self%mesh(i)), self%eta, self%harmonic, 2*self%highest, self%samples)
+         if (present(beside)) call self%contact(i)%keep_events(beside%contact(i))
       end do
    end subroutine take
 

@@ -100,7 +100,8 @@ contains
    !> Adds a motion beside the motion of `setup`: the derivatives are the sums of the motions times their weights.
    subroutine add(self, balance, u, weight)
       class(figures_type), intent(inout) :: self
-      !> The balance of the train with another value of the parameter, evaluated at its motion, to first order.
+      !> The balance of the train with another value of the parameter, evaluated at its motion, to first order, with the contact
+      !> events of the motion of `setup`.
       type(balance_type), intent(in) :: balance
       !> Coefficients of its unknown meshes [1], (block, unknown); its weight [1/unit of the parameter].
       real(dp), intent(in) :: u(:, :), weight
@@ -119,7 +120,7 @@ contains
                theta = places%theta(i)
                e = places%event(i)
                ! The instant of a contact event is no extreme.
-               if (e > 0) theta = balance%contact(findloc(balance%mesh, j, 1))%instant(e)
+               if (e > 0) theta = balance%contact(findloc(balance%mesh, j, 1))%moved_instant(e, coefficients(:, j))
                call force_at(balance, coefficients(:, j), j, theta, places%region(i), s, phi)
                self%d_force(i, j) = self%d_force(i, j) + weight*unit*self%side(j)*phi(0)
             end do

@@ -84,14 +84,14 @@ contains
             if (excites_others(sides%system(1), balance)) &
                gradient%reason(n) = 'it is 0, and its order is not among the harmonics of the motion'
             if (gradient%reason(n) /= '') cycle
-            call residual_rate(beside, sides, solution, s)
+            call residual_rate(beside, balance, sides, solution, s)
             s = -s
             y = 0
             call corrector%matrix%solve(balance, s, y)
             call figures%begin()
             do i = 1, size(sides%system)
                side => sides%system(i)
-               call beside%take(side)
+               call beside%take(side, balance)
                u = solution%u + sides%change(i)*s
                call beside%evaluate(u, solution%frequency_ratio)
                call figures%add(beside, u, sides%weight(i))

@@ -122,7 +122,7 @@ contains
          do n = 1, size(gradient%reason)
             call given%find_sides(n, step_of_residual, sides, gradient%reason(n))
             if (gradient%reason(n) /= '') cycle
-            call residual_rate(beside, sides, solution, s)
+            call residual_rate(beside, corrector%balance, sides, solution, s)
             s = -s
             y = 0
             call corrector%matrix%solve(corrector%balance, s, y)

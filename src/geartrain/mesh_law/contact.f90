@@ -38,11 +38,13 @@ module geartrain_mesh_law_contact
       !> kappa [1] at the samples of the DFT, (sample, region); region at each sample, (sample).
       real(dp), allocatable, private :: kappa_sample(:, :)
       integer, allocatable, private :: region_sample(:)
-      !> Exact coefficients, no DFT.
-      logical, private :: exact = .true.
+      !> Exact coefficients, no DFT; the events are those of `keep_events`.
+      logical, private :: exact = .true., kept = .false.
    contains
       procedure :: setup
       procedure :: update
+      procedure :: keep_events
+      procedure :: moved_instant
       procedure :: extend
       procedure :: shares
       procedure :: clearance
@@ -71,6 +73,7 @@ contains
       self%eta = eta
       self%harmonic = harmonic
       self%exact = samples == 0
+      self%kept = .false.
       call self%spectra%reserve(law, highest)
       if (.not. allocated(self%instant)) allocate (self%instant(64), self%contact(64))
       if (self%exact) return
@@ -90,9 +93,11 @@ contains
       !> Plan of `fine_samples` of the highest harmonic, work space shared by all meshes.
       type(transform_type), intent(inout) :: fine
 
-      self%events = 0
-      self%first_contact = 1
-      if (self%law%highest > self%law%lowest) then
+      if (.not. self%kept) then
+         self%events = 0
+         self%first_contact = 1
+      end if
+      if (self%law%highest > self%law%lowest .and. .not. self%kept) then
          call self%keep_distance(u)
          if (.not. (self%exact .and. self%margin > 0)) call self%find_events(u, fine)
          if (.not. self%exact) then
@@ -104,6 +109,39 @@ contains
          call find_spectra(self%law, self%eta, self%first_contact, self%instant(:n), self%contact(:n), self%spectra)
       end associate
    end subroutine update
+
+   !> Takes the events of a motion for all motions beside it, until `setup`: the spectra are the same to first order, the elastic
+   !> force and the impulse being continuous at a wall, and no step is too long for a wall that is near.
+   subroutine keep_events(self, other)
+      class(contact_type), intent(inout) :: self
+      !> The contact at its latest `update`, with exact coefficients.
+      type(contact_type), intent(in) :: other
+
+      self%kept = .true.
+      self%events = other%events
+      self%first_contact = other%first_contact
+      self%instant = other%instant
+      self%contact = other%contact
+   end subroutine keep_events
+
+   !> theta of an event [rad] of the motion beside that has the coefficients and the law of now.
+   pure real(dp) function moved_instant(self, event, u) result(theta)
+      class(contact_type), intent(in) :: self
+      !> Number of the event.
+      integer, intent(in) :: event
+      !> Coefficients of the mesh displacement over b_c [1], (coefficient).
+      real(dp), intent(in) :: u(:)
+      real(dp) :: p, slope, curvature
+      integer :: before, i
+
+      before = self%first_contact
+      if (event > 1) before = self%contact(event - 1)
+      theta = self%instant(event)
+      do i = 1, 3
+         call evaluate(u, self%harmonic, theta, p, slope, curvature)
+         theta = theta - (p - self%law%wall(min(before, self%contact(event))))/slope
+      end do
+   end function moved_instant
 
    !> Computes exact spectra of any length with the events of the latest `update`.
    subroutine extend(self, spectra, highest)

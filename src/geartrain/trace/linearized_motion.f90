@@ -19,8 +19,8 @@ module geartrain_trace_linearized_motion
    integer, parameter :: most_explicit = 128
    !> Distance of an extreme from a wall, relative to the amplitude, below which the motion grazes.
    real(dp), parameter :: at_wall = 1e-7_dp
-   !> Change of a parameter over its value for differences of a residual: a longer one may meet other contact events, the error by
-   !> rounding is 1e-11.
+   !> Change of a parameter over its value for differences of a residual at the same contact events: the error by resonances is
+   !> 1e-11, that by rounding too.
    real(dp), parameter :: step_of_residual = 3e-5_dp
 
 contains
@@ -99,9 +99,11 @@ contains
    end subroutine factor
 
    !> Derivative of the residual with respect to a parameter, at constant coefficients and Lambda.
-   subroutine residual_rate(balance, sides, solution, s)
+   subroutine residual_rate(balance, at, sides, solution, s)
       !> A balance after `prepare_balance`; afterwards of another train.
       type(balance_type), intent(inout) :: balance
+      !> The balance of the train, evaluated at the motion.
+      type(balance_type), intent(in) :: at
       !> The trains beside the train, with a step of `step_of_residual`.
       type(sides_type), target, intent(in) :: sides
       !> Where.
@@ -114,7 +116,7 @@ contains
       s = 0
       do i = 1, size(sides%system)
          side => sides%system(i)
-         call balance%take(side)
+         call balance%take(side, at)
          call balance%evaluate(solution%u, solution%frequency_ratio)
          s = s + sides%weight(i)*balance%residual
       end do
