@@ -2,7 +2,7 @@
 module geartrain_exact_orbit_depth
    use geartrain_base_kinds, only: dp
    use geartrain_flow_sections, only: sections_type
-   use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_mesh_law_law, only: depth_below
    implicit none (type, external)
    private
    public :: depth_of

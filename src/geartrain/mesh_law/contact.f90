@@ -10,7 +10,7 @@ module geartrain_mesh_law_contact
    use geartrain_mesh_law_spectra, only: find_spectra, spectra_type
    implicit none (type, external)
    private
-   public :: contact_type, depth_below
+   public :: contact_type
 
    !> Samples above which events are found between them by the samples alone: of motions of more than 500
    !> harmonics.
@@ -440,17 +440,5 @@ contains
       end subroutine transform
 
    end subroutine sampled_spectra
-
-   !> Least distance of the displacement of a mesh from separation, or from a collision of the back flanks, over characteristic
-   !> length [1]; negative where the mesh separates, or the back flanks collide.
-   elemental real(dp) function depth_below(smallest, largest, half_backlash, back)
-      !> Extremes of the displacement and half of the backlash, over characteristic length [1].
-      real(dp), intent(in) :: smallest, largest, half_backlash
-      !> Collision of the back flanks; else separation.
-      logical, intent(in) :: back
-
-      depth_below = max(smallest - half_backlash, -half_backlash - largest)
-      if (back) depth_below = smallest + half_backlash
-   end function depth_below
 
 end module geartrain_mesh_law_contact

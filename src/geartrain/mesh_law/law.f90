@@ -11,7 +11,7 @@ module geartrain_mesh_law_law
    use geartrain_base_series, only: series_type, wave_value
    implicit none (type, external)
    private
-   public :: law_type
+   public :: law_type, depth_below
 
    type :: law_type
       !> Frequency of the mesh over Lambda [1].
@@ -264,5 +264,17 @@ contains
          phi = phi + [term%re, -k*term%im, -real(k, dp)**2*term%re]
       end do
    end subroutine along
+
+   !> Least distance of the displacement of a mesh from separation, or from a collision of the back flanks, over characteristic
+   !> length [1]; negative where the mesh separates, or the back flanks collide.
+   elemental real(dp) function depth_below(smallest, largest, half_backlash, back)
+      !> Extremes of the displacement and half of the backlash, over characteristic length [1].
+      real(dp), intent(in) :: smallest, largest, half_backlash
+      !> Collision of the back flanks; else separation.
+      logical, intent(in) :: back
+
+      depth_below = max(smallest - half_backlash, -half_backlash - largest)
+      if (back) depth_below = smallest + half_backlash
+   end function depth_below
 
 end module geartrain_mesh_law_law

@@ -6,7 +6,7 @@ module geartrain_readings_contact_edges
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples
-   use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_mesh_law_law, only: depth_below
    use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: branch_type, carried_by, contact_edge_type, gap_along, response_settings_type

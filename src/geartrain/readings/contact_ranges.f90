@@ -1,7 +1,7 @@
 !> Ranges of Lambda in which a mesh separates, or its back flanks collide, at some instant of the period.
 module geartrain_readings_contact_ranges
    use geartrain_base_kinds, only: dp
-   use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_mesh_law_law, only: depth_below
    use geartrain_readings_curve, only: way_between
    use geartrain_readings_summary, only: band_type, change
    use geartrain_trace_branch, only: branch_type, gap_along

@@ -9,7 +9,7 @@ module geartrain_trace_step_extremes
    use geartrain_linalg_cubic, only: highest_share, value_on
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: evaluate, extremes, fine_samples, rms
-   use geartrain_mesh_law_contact, only: depth_below
+   use geartrain_mesh_law_law, only: depth_below
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
    use geartrain_trace_step_geometry, only: arc_length, go_along
    implicit none (type, external)
