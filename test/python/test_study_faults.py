@@ -187,8 +187,12 @@ def test_a_stop_of_the_client_leaves_no_claim(folder, monkeypatch):
 
     monkeypatch.setattr(Claim, "make", interrupted)
     store = Store(folder)
-    with pytest.raises(KeyboardInterrupt):
-        compute_batch(str(folder), store.plan().digest, 0)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # dask_jobqueue's exits, where another test imported it
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            compute_batch(str(folder), store.plan().digest, 0)
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert not any(store.claims.iterdir()) and not any(store.suspects.iterdir()) and not computed(folder)
     monkeypatch.undo()
     assert compute_batch(str(folder), store.plan().digest, 0) == "over"
