@@ -120,8 +120,8 @@ VERSIONS void geartrain_carry_back(int elements, int unknowns, int steps, int fu
             store(q + l, load(q + l) + stiff[l / 4 % 2] * load(f + l));
             store(influence + at * all + l, load(f + l));
          }
-         for (int i = 0; i < 8; i += 4)
-            store(q + all - 8 + i, load(q + all - 8 + i) + load(row + 8 * at + i));
+         for (int l = 0; l < 8; l += 4)
+            store(q + all - 8 + l, load(q + all - 8 + l) + load(row + 8 * at + l));
       }
    }
 }
