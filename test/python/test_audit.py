@@ -16,7 +16,7 @@ TEXTS = {path.stem: path.read_text() for path in (ROOT / "namelists").glob("*.nm
 CASES = sorted(name for name, text in TEXTS.items() if "&response" in text and name != "wind_turbine")
 # Those with grazing contacts next to changes of stability: a verdict that looks decided is wrong here first.
 GRAZING = ["fig07_042", "fig08_rectangular", "fig09_001"]
-# Audited by night: cases that differ from figure 3 by a number, those of a long period, two with every point or another by day.
+# Audited by night: cases that differ from figure 3 by a number, cases of a long period, and cases like one that is audited by day.
 BY_NIGHT = {name for name, *_ in CHANGES} - {GRAZING[2]} | {*GRAZING[:2], "fig10", "fig11", "fig12"}
 
 

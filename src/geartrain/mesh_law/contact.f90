@@ -38,8 +38,10 @@ module geartrain_mesh_law_contact
       !> kappa [1] at the samples of the DFT, (sample, region); region at each sample, (sample).
       real(dp), allocatable, private :: kappa_sample(:, :)
       integer, allocatable, private :: region_sample(:)
-      !> Exact coefficients, no DFT; the events are those of `keep_events`.
-      logical, private :: exact = .true., kept = .false.
+      !> Whether the coefficients are exact, without a DFT.
+      logical, private :: exact = .true.
+      !> Whether `keep_events` has given the events, so that `update` finds none.
+      logical, private :: kept = .false.
    contains
       procedure :: setup
       procedure :: update
@@ -110,8 +112,8 @@ contains
       end associate
    end subroutine update
 
-   !> Takes the events of a motion for all motions beside it, until `setup`: the spectra are the same to first order, the elastic
-   !> force and the impulse being continuous at a wall, and no step is too long for a wall that is near.
+   !> Takes over the events of a motion, for motions next to it, until `setup`: the spectra are right to first order, because
+   !> elastic force and impulse are continuous at a wall. Differences of them are right however near to a wall the motion comes.
    subroutine keep_events(self, other)
       class(contact_type), intent(inout) :: self
       !> The contact at its latest `update`, with exact coefficients.
@@ -124,7 +126,7 @@ contains
       self%contact = other%contact
    end subroutine keep_events
 
-   !> theta of an event [rad] of the motion beside that has the coefficients and the law of now.
+   !> theta of an event [rad] as the motion with these coefficients, and the walls of the present law, has it.
    pure real(dp) function moved_instant(self, event, u) result(theta)
       class(contact_type), intent(in) :: self
       !> Number of the event.
