@@ -93,7 +93,11 @@ contains
       call close('maximum', near%maximum(:, k), branch%maximum(:, i))
       call close('force', near%mesh_load(:, k)%force_maximum, branch%mesh_load(:, i)%force_maximum, &
                  maxval(system%stiffness)*system%characteristic_length)
-      call close('dynamic factor', near%mesh_load(:, k)%dynamic_factor, branch%mesh_load(:, i)%dynamic_factor)
+      ! The dynamic factor is the force over the static one.
+      call close('dynamic factor', near%mesh_load(:, k)%dynamic_factor, branch%mesh_load(:, i)%dynamic_factor, &
+                 maxval(system%stiffness)*system%characteristic_length*maxval(near%mesh_load(:, k)%dynamic_factor/ &
+                                                                              near%mesh_load(:, k)%force_maximum, &
+                                                                              near%mesh_load(:, k)%force_maximum > 0))
       call close('separation', near%mesh_load(:, k)%separation, branch%mesh_load(:, i)%separation, &
                  maxval(abs(near%mesh_load(:, n)%separation - near%mesh_load(:, k)%separation))/apart)
       call close('shaft torque', near%shaft_torque_mean(:, k), branch%shaft_torque_mean(:, i), torque_of_displacement(system))
