@@ -1,7 +1,7 @@
 !> The balance's Jacobians against central differences, and its linear part against other routes.
 module unit_balance
    use fixtures, only: long_train, paper_train, single_pair
-   use geartrain, only: dp, train_type
+   use geartrain, only: dp, error_type, train_type
    use geartrain_balance_balance, only: balance_type
    use geartrain_base_numbers, only: integer_text
    use geartrain_linalg_bordered, only: bordered_type
@@ -31,6 +31,7 @@ contains
       if (tests%runs('singular_block')) call singular_block(tests)
       if (tests%runs('condensed_linear_mesh')) call condensed_linear_mesh(tests)
       if (tests%runs('receptance_derivative')) call receptance_derivative(tests)
+      if (tests%runs('beside_a_wall')) call beside_a_wall(tests)
    end subroutine balance_tests
 
    !> Regular matrices of which a diagonal block is singular, the first in the order of elimination or a later one.
@@ -73,6 +74,35 @@ contains
                              'block '//integer_text(singular)//' is singular: the solution')
       end do
    end subroutine singular_block
+
+   !> dS/ds over a backlash where the teeth all but part. While they are in contact the residual is linear in the backlash, so that a
+   !> long difference to the side where they stay in contact is exact but for rounding.
+   subroutine beside_a_wall(tests)
+      class(tests_type), intent(inout) :: tests
+      !> Gap that is left, over the amplitude [1]: less than the differences within `evaluate` move the wall.
+      real(dp), parameter :: gap = 1e-8_dp, shortest = 20e-6_dp, longest = 40e-6_dp, at = 30e-6_dp, amplitude = 0.5_dp
+      type(system_type), target :: system
+      type(balance_type) :: balance
+      type(error_type), allocatable :: error
+      real(dp), allocatable :: u(:, :), rate(:, :), long_difference(:, :)
+
+      allocate (balance%path)
+      call balance%path%setup(paper_train(), 'mesh 2 half_backlash', 0.7_dp, shortest, longest, error)
+      call tests%is_true(.not. allocated(error), 'a path over a backlash')
+      if (allocated(error)) return
+      call balance%path%system_at(at, system)
+      call balance%setup(system, 5, 1, 0)
+      allocate (u(balance%block, balance%unknowns), source=0.0_dp)
+      u(1, :) = system%half_backlash(balance%mesh) + amplitude
+      u(2, :) = amplitude*(1 - gap)
+      call balance%evaluate(u, at)
+      rate = balance%d_frequency
+      long_difference = balance%residual
+      call balance%evaluate(u, shortest)
+      long_difference = (long_difference - balance%residual)/(at - shortest)
+      call tests%is_close(maxval(abs(rate - long_difference)), 0.0_dp, 1e-8_dp*maxval(abs(long_difference)), &
+                          'dS/ds beside a wall')
+   end subroutine beside_a_wall
 
    !> dS/du and dS/dLambda by central differences (step 1e-6, error about 1e-8 of the entries for a force whose second
    !> derivative is bounded between events).

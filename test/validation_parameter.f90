@@ -1,7 +1,7 @@
 !> Branches over a parameter of the train at constant speed against responses of the train with each value, and closed forms.
 module validation_parameter
    use branches_over_parameters, only: compare, over
-   use fixtures, only: linear_pair, long_train, random_train, ring, settings_of, single_pair
+   use fixtures, only: linear_pair, long_train, paper_train, random_train, ring, settings_of, single_pair
    use geartrain, only: branch_type, case_type, dp, error_type, folds, gradient_type, motion_gradient, motion_type, &
       period_doubled, read_case, refine, refine_branch, response, response_settings_type, train_type
    use geartrain_drawing_drawing, only: plain_train
@@ -26,6 +26,7 @@ contains
       if (tests%runs('slopes')) call slopes(tests)
       if (tests%runs('doubling')) call doubling(tests)
       if (tests%runs('drawing')) call drawing(tests)
+      if (tests%runs('constant')) call constant(tests)
       if (tests%runs('ends')) call ends(tests)
    end subroutine parameter_tests
 
@@ -386,6 +387,18 @@ contains
          call compare(tests, train, branch, i, trim(name(n)))
       end do
    end subroutine drawing
+
+   !> Over the backlash of a mesh whose teeth never part the rms is constant but for rounding, in which no peak is looked for: the
+   !> branch has as many points as one over a torque.
+   subroutine constant(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+
+      branch = over(tests, paper_train(), 'mesh 2 half_backlash', 10e-6_dp, 40e-6_dp, 0.7_dp, 9)
+      call tests%is_true(branch%complete .and. branch%points <= 15, 'constant motion: no points in rounding')
+      call tests%is_close(maxval(branch%rms(:, :branch%points)/spread(branch%rms(:, 1), 2, branch%points)), 1.0_dp, 1e-12_dp, &
+                          'constant motion: rms')
+   end subroutine constant
 
    !> What is refused, and that a branch ends at the end of the range of its parameter.
    subroutine ends(tests)

@@ -38,7 +38,6 @@ module geartrain_balance_balance
       procedure :: full_coefficients
       procedure :: reaches
       procedure, private :: evaluate_at
-      procedure, private :: go_to
       procedure :: mean_matrix
       procedure :: mean_product
    end type balance_type
@@ -90,7 +89,8 @@ contains
       real(dp), intent(in) :: u(:, :)
       !> Lambda [1], or the parameter of the path [its unit], which the path must reach.
       real(dp), intent(in) :: s
-      real(dp), allocatable :: rate(:, :)
+      type(balance_type) :: beside
+      type(system_type), target :: side
       real(dp) :: from, to
 
       if (.not. allocated(self%path)) then
@@ -98,28 +98,36 @@ contains
          return
       end if
       associate (path => self%path)
+         call path%system_at(s, self%system)
+         call self%take(self%system)
+         call self%evaluate_at(u, path%frequency_ratio)
          from = max(path%low, s - difference*path%length)
          to = min(path%high, s + difference*path%length)
-         call self%go_to(to)
-         call self%evaluate_at(u, path%frequency_ratio)
-         rate = self%residual
-         call self%go_to(from)
-         call self%evaluate_at(u, path%frequency_ratio)
-         rate = (rate - self%residual)/(to - from)
-         call self%go_to(s)
-         call self%evaluate_at(u, path%frequency_ratio)
+         call beside%setup(self%system, self%highest, self%eta, self%samples, self%harmonic, self%repeats)
+         call find_beside(to)
+         self%d_frequency = beside%residual
+         call find_beside(from)
+         self%d_frequency = (self%d_frequency - beside%residual)/(to - from)
       end associate
-      self%d_frequency = rate
+
+   contains
+
+      !> Evaluates the train with another value at the same motion.
+      subroutine find_beside(value)
+         real(dp), intent(in) :: value
+         type(system_type), pointer :: pointer_to_side
+
+         call self%path%system_at(value, side)
+         pointer_to_side => side
+         if (self%samples == 0) then
+            call beside%take(pointer_to_side, self)
+         else
+            call beside%take(pointer_to_side)
+         end if
+         call beside%evaluate_at(u, self%path%frequency_ratio)
+      end subroutine find_beside
+
    end subroutine evaluate
-
-   !> Takes the train of the path at a value of the parameter.
-   subroutine go_to(self, s)
-      class(balance_type), intent(inout) :: self
-      real(dp), intent(in) :: s
-
-      call self%path%system_at(s, self%system)
-      call self%take(self%system)
-   end subroutine go_to
 
    !> Goes on with another train of the same unknowns.
    subroutine take(self, system, beside)

@@ -119,6 +119,8 @@ contains
       !> The contact at its latest `update`, with exact coefficients.
       type(contact_type), intent(in) :: other
 
+      ! A backlash of 0 has no walls.
+      if (self%law%lowest /= other%law%lowest .or. self%law%highest /= other%law%highest) return
       self%kept = .true.
       self%events = other%events
       self%first_contact = other%first_contact

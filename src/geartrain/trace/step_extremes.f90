@@ -26,6 +26,8 @@ module geartrain_trace_step_extremes
    integer, parameter :: most_cuts = 3
    !> Height of a maximum above the ends of a step at which the rms rises, or falls, at both, over the rms: less is no maximum.
    real(dp), parameter :: least_height = 1e-6_dp
+   !> Change of an rms over a step by its slopes at the ends, over the rms: less is rounding, in which there is no maximum to find.
+   real(dp), parameter :: constant = 1e-9_dp
    !> How near a depth comes to 0, over what it varies by in the step, for the balance to be solved there.
    real(dp), parameter :: near = 0.1_dp
    !> Largest distance of a point from the cubic, as a share of the length of the cubic.
@@ -251,6 +253,8 @@ contains
 
       y = [first%rms(mesh), last%rms(mesh)]
       slope = [first%rms_slope(mesh), last%rms_slope(mesh)]*length
+      share = -1
+      if (maxval(abs(slope)) < constant*maxval(y)) return
       share = highest_share(y, slope)
       if (slope(1) > 0 .and. slope(2) <= 0 .or. share < 0) return
       ! Between two points on one side of a peak: a peak and a dip within the step.
