@@ -215,6 +215,20 @@ def test_sidebands_have_owners():
     assert table.amplitude.dims == ("order", "mesh") and table.per_revolution.values.tolist() == table.order.values.tolist()
 
 
+def test_two_stages_with_errors_of_their_gears():
+    """Their common period is hours: what to give is said, and the motion does not depend on what is given."""
+    reducer = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    meshes = [replace(mesh, driving_runout=12e-6, driven_runout=20e-6) for mesh in reducer.meshes]
+    with pytest.raises(gt.InputError, match="lacks characteristic_frequency .* Give 1.0, and speeds with unit = 'rpm'"):
+        replace(reducer, meshes=meshes).natural_frequencies()
+    one, other = (
+        replace(reducer, meshes=meshes, characteristic_frequency=unit).integrate(1450.0, unit="rpm") for unit in (1.0, 7.0)
+    )
+    assert one.rms == pytest.approx(other.rms, rel=1e-6)
+    assert one.mesh_force_maximum == pytest.approx(other.mesh_force_maximum, rel=1e-6)
+    assert one.shaft_torque_mean == pytest.approx(90.0 * np.array([1.0, 71 / 23, 71 / 23 * 80 / 19]), rel=1e-3)
+
+
 def test_the_case_of_the_pages():
     """Numbers of docs/case-studies.md."""
     train = gt.read_case(ROOT / "namelists" / "pitch_errors.nml").train

@@ -2,10 +2,10 @@
 module geartrain_flow_ramped_flow
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use, intrinsic :: iso_fortran_env, only: int64
-   use geartrain_base_error, only: error_type
+   use geartrain_base_error, only: error_type, fatal, status_memory
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_memory, only: need
-   use geartrain_base_numbers, only: text
+   use geartrain_base_numbers, only: integer_text, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_flow_bound, only: bound_type
@@ -81,13 +81,18 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       ! Number of copies: the result, the fields, a field on its way and the bytes of the file.
       integer(int64), parameter :: times = 4
+      character(*), parameter :: cure = 'take fewer samples or a shorter duration'
       real(dp) :: intervals, bytes
       integer :: n
 
       intervals = ceiling(ramp%duration*max(ramp%start, ramp%stop)/(2*pi)*samples*(1 - 1e-12_dp), int64)
+      if (intervals >= most_samples) then
+         call fatal(error, 'run up: '//text(intervals)//' samples are too many, at most '//integer_text(most_samples)//': '//cure, &
+                    status_memory)
+         return
+      end if
       bytes = 8*times*((intervals + 1)*(3 + 2*system%meshes + shafts) + ramp%windows*real(1 + 2*system%meshes + 2*shafts, dp))
-      call need(merge(bytes, huge(bytes), intervals < most_samples), 'run up: no memory for '//text(intervals)//' samples', &
-                'take fewer samples or a shorter duration', error)
+      call need(bytes, 'run up: no memory for '//text(intervals)//' samples', cure, error)
       if (allocated(error)) return
       n = int(intervals) + 1
       call lengthen(result%time, n)

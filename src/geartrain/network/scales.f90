@@ -30,9 +30,11 @@ contains
 
    !> Adds a problem where values of a train, each in its range, give together a scale beyond the limits. All by logarithms, which
    !> do not overflow for any values and any number of meshes.
-   subroutine check_scales(train, checker)
+   subroutine check_scales(train, derived, checker)
       !> The plain train.
       type(train_type), intent(in) :: train
+      !> Whether the characteristic frequency is not given, and is that of the period of all teeth together at 1 rpm.
+      logical, intent(in) :: derived
       class(checker_type), intent(inout) :: checker
       real(dp) :: static, unit, largest, own
       !> Logarithms of the reduced radius and of the force by the mean torque at this radius, (body); of the displacement of each
@@ -44,9 +46,16 @@ contains
       own = own_frequency(train)
       before = checker%problems%count
       call checker%enter('train', 1)
-      if (abs(log10(own) - log10(train%characteristic_frequency)) > off_unit) &
-         call checker%complain('characteristic_frequency', real_text(train%characteristic_frequency), 'must be within a factor of &
-            &1e9 of the frequency of the slowest mesh, '//text(own)//' rad/s by its stiffness, radii and inertias')
+      if (abs(log10(own) - log10(train%characteristic_frequency)) > off_unit) then
+         if (derived) then
+            call checker%lacks('characteristic_frequency', '> 0 rad/s', ': left out, it is that of the common period of all teeth &
+               &at 1 rpm, '//text(train%characteristic_frequency)//' rad/s, more than a factor of 1e9 below '//text(own)// &
+               ' rad/s, the frequency of the slowest mesh. Give 1.0, and speeds with unit = ''rpm''')
+         else
+            call checker%complain('characteristic_frequency', real_text(train%characteristic_frequency), 'must be within a factor &
+               &of 1e9 of the frequency of the slowest mesh, '//text(own)//' rad/s by its stiffness, radii and inertias')
+         end if
+      end if
       call checker%leave()
       unit = decades(train%characteristic_length)
       largest = none
