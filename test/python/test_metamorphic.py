@@ -69,8 +69,8 @@ def test_some_random_trains(times):
 
 @pytest.mark.full
 def test_random_trains(times):
-    """Every analysis and every transformation: 100 trains by day, 5000 with every combination by night."""
-    check(range(times(5000, share=50)))
+    """Every analysis and every transformation: 50 trains by day, 5000 with every combination by night."""
+    check(range(times(5000, share=100)))
 
 
 @pytest.mark.parametrize("transformation", TRANSFORMATIONS)
