@@ -97,19 +97,15 @@ program main
                    suite_type('validation_shaft_torque', shaft_torque_tests), &
                    suite_type('validation_paper_train', paper_train_tests), &
                    suite_type('validation_network', network_tests), &
-                   suite_type('validation_gradient', gradient_tests), &
-                   suite_type('validation_gradient_special', gradient_special_tests), &
                    suite_type('validation_ground', ground_tests), &
                    suite_type('validation_parameter', parameter_tests), &
                    suite_type('validation_random_networks', random_networks_tests), &
-                   suite_type('validation_hunting', hunting_tests), &
                    suite_type('validation_orders', orders_tests), &
                    suite_type('validation_single_pair', single_pair_tests), &
                    suite_type('validation_whole_model', whole_model_tests), &
                    suite_type('validation_mesh_law', mesh_law_tests), &
                    suite_type('validation_mesh_load', mesh_load_tests), &
                    suite_type('validation_jumps', jumps_tests), &
-                   suite_type('validation_doubling', doubling_tests), &
                    suite_type('validation_bifurcations', bifurcations_tests), &
                    suite_type('validation_excitations', excitations_tests), &
                    suite_type('validation_figures', figures_tests), &
@@ -123,6 +119,10 @@ program main
                    suite_type('validation_run_up', run_up_tests), &
                    suite_type('validation_settling', settling_tests), &
                    suite_type('validation_audit', audit_tests), &
+                   suite_type('validation_gradient', gradient_tests), &
+                   suite_type('validation_gradient_special', gradient_special_tests), &
+                   suite_type('validation_hunting', hunting_tests), &
+                   suite_type('validation_doubling', doubling_tests), &
                    suite_type('hard_figures', figures_cases), &
                    suite_type('hard_branches', branches_cases), &
                    suite_type('hard_grazing', grazing_cases), &
