@@ -4,7 +4,7 @@ module hard_closed_forms
    use geartrain, only: branch_type, dp, error_type, motion_type, refine, train_type
    use geartrain_base_kinds, only: pi
    use readings, only: solution, solve
-   use testing, only: full, tests_type
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: closed_forms_cases
@@ -15,7 +15,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call tests%heading('Closed forms')
-      if (tests%runs('mathieu', full)) then
+      if (tests%runs('mathieu')) then
          ! Characteristic values: eigenvalues of the recurrences DLMF 28.4.5 to 28.4.8, 60 terms; those at q = 5 stand to eight
          ! decimals in Abramowitz and Stegun, table 20.1.
          call mathieu(tests, 'a1(1)', 1.859108072514_dp, 1.0_dp, -1, 0.0_dp)
@@ -27,12 +27,12 @@ contains
          call mathieu(tests, 'a1(1)', 1.859108072514_dp, 1.0_dp, -1, 0.1_dp)
          call mathieu(tests, 'a2(1)', 4.371300982735_dp, 1.0_dp, 1, 0.1_dp)
       end if
-      if (tests%runs('meissner', full)) then
+      if (tests%runs('meissner')) then
          call meissner(tests, 1.3_dp, 0.0_dp)
          call meissner(tests, 2.05_dp, 0.0_dp)
          call meissner(tests, 2.05_dp, 0.05_dp)
       end if
-      if (tests%runs('boundary', full)) then
+      if (tests%runs('boundary')) then
          ! Edges of the principal instability, multiplier -1: zeros of Hill's determinant (61 harmonics), by integration (DOP853)
          ! equal to 1e-13; zeros of 1 + trace + exp(-2 zeta T) of the rectangular wave.
          call boundary(tests, 'Mathieu', [0.3_dp], 0.05_dp, [1.8831440170837_dp, 2.1063923779291_dp])
@@ -40,8 +40,8 @@ contains
          call boundary(tests, 'Meissner', rectangular_wave(0.4_dp), 0.0_dp, [1.7406868289481_dp, 2.2460985098936_dp])
          call boundary(tests, 'Meissner', rectangular_wave(0.4_dp), 0.05_dp, [1.7584523130347_dp, 2.2232619075615_dp])
       end if
-      if (tests%runs('reflection', full)) call reflection(tests)
-      if (tests%runs('in_contact', full)) call in_contact(tests)
+      if (tests%runs('reflection')) call reflection(tests)
+      if (tests%runs('in_contact')) call in_contact(tests)
    end subroutine closed_forms_cases
 
    !> x'' + 2 zeta x' + (1 + kappa cos Lambda t) x = f, no gap: with x = exp(-zeta t) y and tau = Lambda t/2 this is Mathieu's

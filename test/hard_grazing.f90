@@ -8,7 +8,7 @@ module hard_grazing
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_network_system, only: build_system, system_type
    use readings, only: solution, solve
-   use testing, only: full, tests_type
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: grazing_cases
@@ -19,11 +19,11 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call tests%heading('Grazing and verdicts')
-      if (tests%runs('tangent_wall', full)) call tangent_wall(tests)
-      if (tests%runs('short_contacts', full)) call short_contacts(tests)
-      if (tests%runs('touching_flight', full)) call touching_flight(tests)
-      if (tests%runs('onset', full)) call onset(tests)
-      if (tests%runs('verdicts', full)) call verdicts(tests)
+      if (tests%runs('tangent_wall')) call tangent_wall(tests)
+      if (tests%runs('short_contacts')) call short_contacts(tests)
+      if (tests%runs('touching_flight')) call touching_flight(tests)
+      if (tests%runs('onset')) call onset(tests)
+      if (tests%runs('verdicts')) call verdicts(tests)
    end subroutine grazing_cases
 
    !> p = 2 - depth + cos theta with b = 1 separates for 2 acos(1 - depth) of 2 pi, or not at all. Rounding of p moves the events by

@@ -8,7 +8,7 @@ module hard_motions
    use geartrain_flow_lyapunov, only: largest_exponent
    use geartrain_flow_orbit, only: propagate
    use geartrain_network_system, only: build_system, system_type
-   use testing, only: full, tests_type
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: motions_cases
@@ -19,9 +19,9 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call tests%heading('Chaos and quasi-periodic motion')
-      if (tests%runs('known_exponents', full)) call known_exponents(tests)
-      if (tests%runs('quasi_periodic', full)) call quasi_periodic(tests)
-      if (tests%runs('chaos', full)) call chaos(tests)
+      if (tests%runs('known_exponents')) call known_exponents(tests)
+      if (tests%runs('quasi_periodic')) call quasi_periodic(tests)
+      if (tests%runs('chaos')) call chaos(tests)
    end subroutine motions_cases
 
    !> Of a linear train the exponent is log |multiplier|/T, whatever the motion.

@@ -5,7 +5,7 @@ module hard_speeds
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, &
       response_settings_type, sweep, sweep_type, train_type
    use readings, only: solution, solve
-   use testing, only: full, tests_type
+   use testing, only: tests_type
    implicit none (type, external)
    private
    public :: speeds_cases
@@ -16,11 +16,11 @@ contains
       class(tests_type), intent(inout) :: tests
 
       call tests%heading('Speeds, loads, stiffness, orders')
-      if (tests%runs('quasi_static', full)) call quasi_static(tests)
-      if (tests%runs('fast', full)) call fast(tests)
-      if (tests%runs('no_torque', full)) call no_torque(tests)
-      if (tests%runs('soft_mesh', full)) call soft_mesh(tests)
-      if (tests%runs('hunting_teeth', full)) call hunting_teeth(tests)
+      if (tests%runs('quasi_static')) call quasi_static(tests)
+      if (tests%runs('fast')) call fast(tests)
+      if (tests%runs('no_torque')) call no_torque(tests)
+      if (tests%runs('soft_mesh')) call soft_mesh(tests)
+      if (tests%runs('hunting_teeth')) call hunting_teeth(tests)
    end subroutine speeds_cases
 
    !> So slow that p - b = f/kappa(t) at every instant: with kappa = 1 + a cos, harmonic n has the amplitude
