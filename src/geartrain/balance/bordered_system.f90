@@ -51,6 +51,8 @@ module geartrain_balance_bordered_system
       integer, private :: most = most_iterations
       !> Orthonormal basis of GMRES, (block, unknown, vector), and its entries in the border row, (vector).
       real(dp), allocatable, private :: basis(:, :, :), basis_y(:)
+      !> What the preconditioner makes of the basis: the solution is a sum of it.
+      real(dp), allocatable, private :: solved(:, :, :), solved_y(:)
    contains
       procedure :: setup
       procedure :: linearize
@@ -79,7 +81,7 @@ contains
 
       if (allocated(self%column)) deallocate (self%column, self%row)
       allocate (self%column(balance%block, balance%unknowns), self%row(balance%block, balance%unknowns))
-      if (allocated(self%basis)) deallocate (self%basis, self%basis_y)
+      if (allocated(self%basis)) deallocate (self%basis, self%basis_y, self%solved, self%solved_y)
       self%suits_flow = balance%chosen .and. .not. balance%is_direct()
       if (self%suits_flow) self%suits_flow = suits(balance%system)
       self%has_long_period = self%suits_flow .and. balance%has_long_period()
@@ -87,6 +89,7 @@ contains
       if (self%has_long_period) self%most = most_iterations_in_contact
       if (balance%is_direct()) return
       allocate (self%basis(balance%block, balance%unknowns, self%most + 1), self%basis_y(self%most + 1))
+      allocate (self%solved(balance%block, balance%unknowns, self%most), self%solved_y(self%most))
    end subroutine setup
 
    !> Takes dS/du at the last `evaluate`, and dS/dLambda as the border column.
@@ -339,26 +342,25 @@ contains
       real(dp), intent(in) :: enough
       real(dp), intent(inout) :: x(:, :), y
       logical, intent(out) :: converged
-      real(dp) :: h(self%most + 1, self%most), g(self%most + 1), cosine(self%most), sine(self%most), &
-                  z(size(x, 1), size(x, 2)), zy, length, held
+      real(dp) :: h(self%most + 1, self%most), g(self%most + 1), cosine(self%most), sine(self%most), length, held
       integer :: i, j, n
 
       length = sqrt(sum(x**2) + y**2)
       converged = .not. length > 0
       if (converged) return
-      associate (v => self%basis, vy => self%basis_y)
+      associate (v => self%basis, vy => self%basis_y, z => self%solved, zy => self%solved_y)
          v(:, :, 1) = x/length
          vy(1) = y/length
          g = 0
          g(1) = length
          do n = 1, self%most
             if (balance%system%interrupt%raised()) return
-            z = v(:, :, n)
-            zy = vy(n)
-            call self%precondition(balance, z, zy)
-            call balance%apply(z, v(:, :, n + 1))
-            v(:, :, n + 1) = v(:, :, n + 1) + zy*self%column
-            vy(n + 1) = sum(self%row*z) + self%corner*zy
+            z(:, :, n) = v(:, :, n)
+            zy(n) = vy(n)
+            call self%precondition(balance, z(:, :, n), zy(n))
+            call balance%apply(z(:, :, n), v(:, :, n + 1))
+            v(:, :, n + 1) = v(:, :, n + 1) + zy(n)*self%column
+            vy(n + 1) = sum(self%row*z(:, :, n)) + self%corner*zy(n)
             do j = 1, n
                h(j, n) = sum(v(:, :, j)*v(:, :, n + 1)) + vy(j)*vy(n + 1)
                v(:, :, n + 1) = v(:, :, n + 1) - h(j, n)*v(:, :, j)
@@ -390,11 +392,10 @@ contains
          x = 0
          y = 0
          do i = 1, n
-            x = x + g(i)*v(:, :, i)
-            y = y + g(i)*vy(i)
+            x = x + g(i)*z(:, :, i)
+            y = y + g(i)*zy(i)
          end do
       end associate
-      call self%precondition(balance, x, y)
    end subroutine iterate
 
 end module geartrain_balance_bordered_system
