@@ -155,7 +155,7 @@ contains
       class(tests_type), intent(inout) :: tests
       integer :: i
 
-      do i = 1, merge(40, 2, tests%tier(nightly))
+      do i = 1, merge(40, 1, tests%tier(nightly))
          call compare_discs(i, tests%seed)
       end do
       ! A damping that is 0 couples meshes where it is not: their receptance has more entries.

@@ -9,7 +9,7 @@ module validation_gradient_special
    use geartrain_trace_points, only: motion_of
    use networks, only: draw_laws, random_network
    use parameters_of_trains, only: all_parameters, change, name_length, parameter_of
-   use testing, only: full, tests_type
+   use testing, only: full, nightly, tests_type
    implicit none (type, external)
    private
    public :: gradient_special_tests
@@ -158,7 +158,8 @@ contains
                               'mesh 1 driving_inertia', 'mesh 1 driven_radius', 'input_torque'], gradient, error)
       call tests%is_close(maxval(abs(gradient%values(1, :) - [0.5_dp, -0.125_dp, 0.5_dp, 0.0_dp])), 0.0_dp, 1e-12_dp, &
                           'a pair in closed form')
-      do i = 1, 6
+      ! The larger networks by night.
+      do i = 1, merge(6, 2, tests%tier(nightly))
          call random_train(i + 1000*tests%seed, train, settings)
          call compare_modes(tests, 'chain '//integer_text(i), train)
          call random_network(4 + i, mod(i, 3), i + 1000*tests%seed, train)
