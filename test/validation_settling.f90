@@ -5,7 +5,11 @@ module validation_settling
    use geartrain, only: branch_type, dp, error_type, integrate, integration_settings_type, motion_type, refine, response, &
                         response_settings_type, train_type
    use geartrain_base_kinds, only: pi
+   use geartrain_flow_flow, only: flow_type
+   use geartrain_flow_flow_kind, only: flow_kind
    use geartrain_flow_lyapunov, only: largest_exponent
+   use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_flow_section_trend, only: section_trend_type
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
    use geartrain_network_system, only: build_system, system_type
@@ -25,7 +29,72 @@ contains
       if (tests%runs('basins')) call basins(tests)
       if (tests%runs('chaos')) call chaos(tests)
       if (tests%runs('rattle')) call rattle(tests)
+      if (tests%runs('trend')) call trend_of_sections(tests)
+      if (tests%runs('kind_by_trend')) call kind_by_trend(tests)
    end subroutine settling_tests
+
+   !> Sections in closed form: an orbit of period 3, and about it a vibration whose amplitude is q**k at section k. The energy of
+   !> differences three sections apart changes by q**2 a section, that of neighbouring ones keeps the size of the orbit.
+   subroutine trend_of_sections(tests)
+      class(tests_type), intent(inout) :: tests
+      real(dp), parameter :: decay(*) = [0.999_dp, 0.9995_dp, 0.99999_dp, 1.0_dp, 1.0005_dp], turn = 0.6_dp
+      type(section_trend_type) :: trend
+      type(system_type) :: system
+      real(dp) :: state(2)
+      integer :: i, k
+
+      call build_system(single_pair(0.05_dp, 0.3_dp, 1.0_dp), system)
+      do i = 1, size(decay)
+         call trend%begin(system)
+         do k = 1, 700
+            state = [mod(k, 3) + 1e-3_dp*decay(i)**k*cos(turn*k), 1e-3_dp*decay(i)**k*sin(turn*k)]
+            call trend%add(state)
+         end do
+         trend%first = 101
+         call trend%measure()
+         call tests%is_true(trend%periods == 600 .and. size(trend%change) == 16, 'sections of a trend')
+         ! The middles of two blocks are 99 sections apart. The turns of the vibration do not average out quite.
+         call tests%is_close(trend%change(3), 6*99*2*log(decay(i)), 1e-3_dp, 'trend: three sections apart')
+         call tests%is_true(abs(trend%change(3) - 6*99*2*log(decay(i))) <= 1e-6_dp + trend%error(3), 'trend: as near as it says')
+         call tests%is_close(trend%change(1), 0.0_dp, 1e-5_dp, 'trend: neighbouring sections keep the size of the orbit')
+         call tests%is_true(maxval(abs(trend%last() - state)) < 1e-12_dp, 'trend: the last state')
+      end do
+      call trend%begin(system)
+      do k = 1, 50
+         call trend%add([real(k, dp), 0.0_dp])
+      end do
+      call trend%measure()
+      call tests%is_true(size(trend%change) == 0, 'trend: too few sections')
+   end subroutine trend_of_sections
+
+   !> An exponent of 0 within its uncertainty is that of a torus only where the sections keep their size. The pair is at rest but
+   !> for a vibration which dies out, keeps its size or grows by its damping, x'' + 2 z x' + x = f.
+   subroutine kind_by_trend(tests)
+      class(tests_type), intent(inout) :: tests
+      real(dp), parameter :: damping(*) = [1e-3_dp, 1e-4_dp, 1e-5_dp, 0.0_dp]
+      character(14), parameter :: kinds(*) = [character(14) :: 'still settling', 'still settling', 'still settling', &
+                                              'quasi-periodic']
+      type(section_trend_type) :: trend
+      type(system_type), target :: system
+      type(flow_type) :: flow
+      integer :: i, k
+
+      do i = 1, size(damping)
+         call build_system(single_pair(damping(i), 0.05_dp, 1.0_dp), system)
+         call flow%setup(system, 1, flow_order, flow_tolerance)
+         flow%x(1, :) = resting_state(system)
+         call trend%begin(system)
+         do k = 1, 300
+            call flow%pass_period(1.3_dp)
+            call trend%add(flow%x(1, :))
+         end do
+         call tests%is_text(trim(flow_kind(system, 1.3_dp, flow%x(1, :), 0.0_dp, 1e-4_dp, trend)), trim(kinds(i)), &
+                            'a pair that rings down, with an exponent too near to 0')
+         ! Of a parametric vibration with complex multipliers the damping is its decay.
+         call tests%is_close(trend%change(1), -2*damping(i)*2*pi/1.3_dp*6*49, 1e-2_dp*damping(i)/1e-3_dp + 1e-4_dp, &
+                             'a pair that rings down: change of its sections')
+      end do
+   end subroutine kind_by_trend
 
    !> Figure 4, k3 = 2e4 N m/rad, at 1.62: disturbances decay by 0.999256 a period of the fundamental, so that averages over
    !> hundreds of periods have shown growth.

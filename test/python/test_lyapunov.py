@@ -1,10 +1,11 @@
 """Lyapunov spectra, rotation numbers and bifurcation diagrams against closed forms and multipliers."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 from conftest import equal_stages, equal_wheels, paper_train, single_pair
+from random_trains import random_train
 
 import geartrain as gt
 
@@ -193,3 +194,67 @@ def test_rotation_number_of_a_torus_about_a_motion_of_period_2():
         k = 1 + height[1:-1].argmax()
         between = (height[k - 1] - height[k + 1]) / (2 * (height[k - 1] - 2 * height[k] + height[k + 1]))
         assert found.rotation_number == pytest.approx((k + between) / len(values) / 2, abs=1e-5)
+
+
+def ringing(seed):
+    """A random train of little damping, at times on springs to ground, a frequency, and how many periods are looked at."""
+    rng = np.random.default_rng(seed)
+    train = random_train(rng)
+    while train.characteristic_frequency is None:
+        train = random_train(rng)
+    little = 10.0 ** rng.uniform(-3.0, -0.5)
+    bodies = [{field.name: getattr(body, field.name) for field in fields(body)} for body in train.bodies]
+    for body in bodies:
+        if rng.random() < 0.2:
+            rate = 10.0 ** rng.uniform(1.5, 4.0)
+            body["stiffness_to_ground"] = body["inertia"] * rate**2
+            body["damping_to_ground"] = 2 * 10.0 ** rng.uniform(-4.0, -2.0) * body["inertia"] * rate
+    if any(body["stiffness_to_ground"] for body in bodies):
+        bodies = [{**body, "balances": False} for body in bodies]
+    train = replace(train, bodies=[gt.Body(**body) for body in bodies],
+                    shafts=[replace(shaft, damping_ratio=shaft.damping_ratio * little) for shaft in train.shafts],
+                    meshes=[replace(mesh, damping_ratio=mesh.damping_ratio * little) for mesh in train.meshes])
+    return train, rng.uniform(0.3, 2.0), int(rng.integers(60, 400))
+
+
+def kinds_of(seed):
+    """The kind of a flight whose exponent is 0 within its uncertainty, and that of a flight fifty times as long; or None."""
+    train, frequency, periods = ringing(seed)
+    try:
+        found = train.lyapunov_spectrum(frequency, transient=periods // 2, periods=periods)
+        span = 2 * np.pi / frequency
+        if found.period or abs(found.exponents[0]) > found.errors[0] or found.errors[0] * span > 2e-3:
+            return None
+        return found.kind, train.integrate(frequency, start=found.state, max_periods=50 * periods, stability=False).kind
+    except (gt.InputError, gt.SolverError):
+        return None
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+@pytest.mark.parametrize("seed", [11, 19, 115, 119, 120, 136, 201, 207, 211, 228, 285, 324])
+def test_a_vibration_that_dies_out_is_no_torus(seed):
+    """By its exponent alone each of these flights, which settle in the end, would be on a torus."""
+    assert kinds_of(seed) == ("still settling", "periodic")
+
+
+@pytest.mark.nightly
+def test_more_vibrations_that_die_out(request):
+    """Beats longer than a flight hide that it dies out: one in ten at most."""
+    first = 1000 * (1 + request.config.getoption("--seed"))
+    settle = [kinds[0] for seed in range(first, first + 400) if (kinds := kinds_of(seed)) and kinds[1] == "periodic"]
+    assert len(settle) >= 5 and settle.count("quasi-periodic") <= max(1, len(settle) / 10), settle
+
+
+def test_a_vibration_that_grows_slowly_is_no_torus_yet():
+    """Just beyond a Neimark-Sacker point the flight leaves the repelling motion of period 2 for a torus that is far off."""
+    train = equal_wheels()
+    doubled = train.response(start=1.2, stop=2.4, harmonics=20, period_doublings=1).branches[0]
+    special = min((special for special in doubled.special_points if special.kind == "neimark-sacker"),
+                  key=lambda special: abs(special.frequency - 1.6139)).exact()
+    sizes, kinds = [], []
+    for transient in (1300, 12000):
+        found = train.lyapunov_spectrum(special.frequency + 3.5e-4, start=special.motion, transient=transient, periods=330)
+        sizes.append([np.ptp(found.displacement[part:part + 110:2, 0]) for part in (0, 220)])
+        kinds.append(found.kind)
+    assert sizes[0][1] > 1.1 * sizes[0][0] and sizes[1][1] == pytest.approx(sizes[1][0], rel=0.03)
+    assert kinds == ["still settling", "quasi-periodic"]

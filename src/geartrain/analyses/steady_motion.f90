@@ -8,9 +8,11 @@ module geartrain_analyses_steady_motion
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_integration_settings, only: integration_settings_type
-   use geartrain_flow_lyapunov, only: find_exponent, kind_of
+   use geartrain_flow_flow_kind, only: flow_kind
+   use geartrain_flow_lyapunov, only: find_exponent
    use geartrain_flow_orbit, only: memory_to_measure
-   use geartrain_flow_settling, only: is_leaving, need_to_settle, settle
+   use geartrain_flow_section_trend, only: section_trend_type
+   use geartrain_flow_settling, only: need_to_settle, settle
    use geartrain_flow_time_constants, only: find_in_window
    use geartrain_flow_window, only: goes_by_windows, window_of
    use geartrain_network_system, only: system_type
@@ -73,15 +75,14 @@ contains
       type(integration_settings_type), intent(in) :: settings
       type(motion_type), intent(inout) :: motion
       class(observer_type), intent(inout), optional :: observer
+      type(section_trend_type) :: trend
 
       if (motion%period > 0 .or. .not. allocated(motion%coefficients)) return
       call find_exponent(system, motion%frequency_ratio, motion%state, settings%max_periods, motion%lyapunov_exponent, &
-                         motion%lyapunov_error, observer)
+                         motion%lyapunov_error, trend, observer)
       if (.not. allocated(motion%lyapunov_exponent)) return
-      motion%kind = kind_of(motion%frequency_ratio, motion%lyapunov_exponent, motion%lyapunov_error)
-      ! A motion that has not yet left an unstable orbit has the exponent of the orbit, and may still settle on a regular motion.
-      if (motion%kind /= 'chaotic') return
-      if (is_leaving(system, motion%frequency_ratio, motion%state, motion%lyapunov_exponent)) motion%kind = 'still settling'
+      motion%kind = flow_kind(system, motion%frequency_ratio, motion%state, motion%lyapunov_exponent, motion%lyapunov_error, &
+                              trend)
    end subroutine add_exponent
 
    !> Whether a motion to start from has a state or coefficients of the right size.

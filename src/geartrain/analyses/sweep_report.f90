@@ -7,7 +7,7 @@ module geartrain_analyses_sweep_report
    use geartrain_balance_mesh_load, only: mesh_load_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_field, only: text_type
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: counted, text
    use geartrain_base_sheet, only: in_head, in_quality, in_result, sheet_type
    use geartrain_base_words, only: words_type
@@ -180,7 +180,36 @@ contains
       if (done > 1) words = 'Integration: '//text(left)//' of '//text(done)//' motions did not settle on a period'//words// &
                             '; their forces and torques count'
       if (any(motions%kind == 'unbounded')) words = words//', but for those without bound'
+      call add_longer(motions, words)
       call sheet%say(in_quality, words//'.')
    end subroutine say_quality
+
+   !> Adds how much longer motions that are still settling need.
+   pure subroutine add_longer(motions, words)
+      type(motion_type), intent(in) :: motions(:)
+      character(:), allocatable, intent(inout) :: words
+      ! Fall of a vibration over the further periods that are named.
+      real(dp), parameter :: fall = 1e-6_dp
+      real(dp) :: periods
+      logical :: known, any_settles
+      integer :: i
+
+      any_settles = .false.
+      known = .true.
+      periods = 0
+      do i = 1, size(motions)
+         associate (motion => motions(i))
+            if (motion%kind /= 'still settling' .or. motion%period > 0 .or. motion%window > 0) cycle
+            any_settles = .true.
+            known = known .and. allocated(motion%lyapunov_exponent)
+            if (.not. known) cycle
+            known = motion%lyapunov_exponent < -motion%lyapunov_error
+            if (known) periods = max(periods, log(fall)*motion%frequency_ratio/(2*pi*motion%lyapunov_exponent))
+         end associate
+      end do
+      if (.not. any_settles) return
+      words = words//'; more max_periods may let what is still settling come to rest'
+      if (known .and. periods < 1e8_dp) words = words//', some '//text(nint(periods))//' more'
+   end subroutine add_longer
 
 end module geartrain_analyses_sweep_report

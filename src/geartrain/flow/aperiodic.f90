@@ -6,9 +6,9 @@
 !> is at least the largest of all coordinates, over their spread.
 module geartrain_flow_aperiodic
    use geartrain_base_kinds, only: dp
-   use geartrain_flow_lyapunov, only: kind_of
+   use geartrain_flow_flow_kind, only: flow_kind
    use geartrain_flow_section_map, only: section_map_type
-   use geartrain_flow_settling, only: is_leaving
+   use geartrain_flow_section_trend, only: section_trend_type
    use geartrain_flow_spectrum, only: lyapunov_spectrum
    use geartrain_network_system, only: system_type
    implicit none (type, external)
@@ -46,19 +46,17 @@ contains
       integer, intent(in) :: periods
       real(dp) :: now(size(state)), sections(size(state), periods), exponents(1), errors(1)
       real(dp) :: part(size(state), 2, blocks)
+      type(section_trend_type) :: trend
       integer :: i, n
       logical :: lost
 
       now = state
       lost = .false.
-      call lyapunov_spectrum(system, map, now, periods, exponents, errors, lost, sections)
+      call lyapunov_spectrum(system, map, now, periods, exponents, errors, lost, sections, trend)
       if (lost) return
       self%exponent = exponents(1)
       self%error = errors(1)
-      self%kind = kind_of(map%frequency_ratio, self%exponent, self%error)
-      if (self%kind == 'chaotic') then
-         if (is_leaving(system, map%frequency_ratio, now, self%exponent)) self%kind = 'still settling'
-      end if
+      self%kind = flow_kind(system, map%frequency_ratio, now, self%exponent, self%error, trend)
       n = periods/blocks
       do i = 1, blocks
          part(:, :, i) = moments(sections(:, (i - 1)*n + 1:i*n))

@@ -5,10 +5,10 @@ module geartrain_flow_long_run
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
    use geartrain_flow_bound, only: bound_type
    use geartrain_flow_disturbance, only: disturb
-   use geartrain_flow_lyapunov, only: kind_of
+   use geartrain_flow_flow_kind, only: flow_kind
    use geartrain_flow_orbit, only: propagate
    use geartrain_flow_section_map, only: section_map_type
-   use geartrain_flow_settling, only: is_leaving
+   use geartrain_flow_section_trend, only: section_trend_type
    use geartrain_flow_spectrum, only: lyapunov_spectrum, rotation_number
    use geartrain_network_system, only: system_type
    implicit none (type, external)
@@ -45,6 +45,7 @@ contains
       real(dp), intent(out) :: rotation
       type(section_map_type) :: map
       type(bound_type) :: bound
+      type(section_trend_type) :: trend
       real(dp) :: limit, turns
       integer :: i
       logical :: lost, repels
@@ -79,10 +80,7 @@ contains
          period = 0
          return
       end if
-      if (period == 0) kind = kind_of(frequency_ratio, exponents(1), errors(1))
-      if (kind == 'chaotic') then
-         if (is_leaving(system, frequency_ratio, state, exponents(1))) kind = 'still settling'
-      end if
+      if (period == 0) kind = flow_kind(system, frequency_ratio, state, exponents(1), errors(1), trend)
       if (kind == 'quasi-periodic') then
          turns = rotation_number(system, sections)
          if (turns >= 0) rotation = turns
@@ -100,7 +98,7 @@ contains
             lost = lost .or. system%interrupt%raised() .or. .not. bound%holds(state, limit)
             if (lost) return
          end do
-         call lyapunov_spectrum(system, map, state, size(sections, 2), exponents, errors, lost, sections)
+         call lyapunov_spectrum(system, map, state, size(sections, 2), exponents, errors, lost, sections, trend)
       end subroutine fly
 
    end subroutine find_long_run

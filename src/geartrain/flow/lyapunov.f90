@@ -5,11 +5,13 @@ module geartrain_flow_lyapunov
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
+   use geartrain_flow_section_trend, only: section_trend_type
+   use geartrain_flow_smooth_mean, only: weighted_mean
    use geartrain_network_system, only: system_type
    use geartrain_network_units, only: mesh_frequencies
    implicit none (type, external)
    private
-   public :: exponent_of, find_exponent, kind_of, largest_exponent, settled_part
+   public :: exponent_of, find_exponent, largest_exponent, largest_neutral, settled_part
 
    !> Share of the periods that is not averaged: the tangent turns to the direction that grows fastest.
    real(dp), parameter :: turning = 0.2_dp
@@ -27,28 +29,11 @@ module geartrain_flow_lyapunov
    integer, parameter :: blocks = 6
    real(dp), parameter :: student = 2.57_dp
 
-   !> Magnitude of an exponent over Lambda that is rounding [1]: tangents of a motion without damping keep their length to this.
-   real(dp), parameter :: rounding = 1e-13_dp
-
 contains
-
-   !> Kind of a motion without known period, see `kind` of geartrain_balance_motion.
-   pure function kind_of(frequency_ratio, exponent, error) result(kind)
-      !> Lambda [1].
-      real(dp), intent(in) :: frequency_ratio
-      !> Largest Lyapunov exponent and its uncertainty, per unit of time [1].
-      real(dp), intent(in) :: exponent, error
-      character(14) :: kind
-
-      kind = 'undecided'
-      if (error < largest_neutral*frequency_ratio/(2*pi)) kind = 'quasi-periodic'
-      if (exponent > max(error, rounding*frequency_ratio)) kind = 'chaotic'
-      if (exponent < -max(error, rounding*frequency_ratio)) kind = 'still settling'
-   end function kind_of
 
    !> Averages over 500 vibrations of the slowest mesh or 200 periods of the fundamental, whichever is longer, then over twice the
    !> time, and so on, until the sign of the exponent is known, or the exponent is known to be about 0.
-   subroutine find_exponent(system, frequency_ratio, state, most, exponent, error, observer)
+   subroutine find_exponent(system, frequency_ratio, state, most, exponent, error, trend, observer)
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
@@ -60,12 +45,14 @@ contains
       real(dp), allocatable, intent(out) :: exponent
       !> Uncertainty of the exponent at 95 %, per unit of time [1].
       real(dp), intent(out) :: error
+      !> Trend of the sections of the flow.
+      type(section_trend_type), intent(out) :: trend
       !> Called after each period of the fundamental, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
       integer :: first
 
       first = max(fewest, ceiling(min(1e8_dp, average_over*frequency_ratio/(2*pi*minval(mesh_frequencies(system))))))
-      call average(system, frequency_ratio, state, min(first, most), most, exponent, error, observer)
+      call average(system, frequency_ratio, state, min(first, most), most, exponent, error, trend, observer)
    end subroutine find_exponent
 
    !> Averages over a given number of periods of the fundamental.
@@ -81,19 +68,21 @@ contains
       real(dp), intent(out) :: error
       !> Called after each period of the fundamental, as 'settling'.
       class(observer_type), intent(inout), optional :: observer
+      type(section_trend_type) :: trend
 
-      call average(system, frequency_ratio, state, periods, periods, exponent, error, observer)
+      call average(system, frequency_ratio, state, periods, periods, exponent, error, trend, observer)
    end subroutine largest_exponent
 
    !> Carries a tangent along with the flow and scales the tangent to unit energy after each period of the fundamental (Benettin's
    !> method).
-   subroutine average(system, frequency_ratio, state, least, most, exponent, error, observer)
+   subroutine average(system, frequency_ratio, state, least, most, exponent, error, trend, observer)
       type(system_type), target, intent(in) :: system
       real(dp), intent(in) :: frequency_ratio, state(:)
       !> Mesh periods after which the average may end; periods of the fundamental after which it ends.
       integer, intent(in) :: least, most
       real(dp), allocatable, intent(out) :: exponent
       real(dp), intent(out) :: error
+      type(section_trend_type), intent(out) :: trend
       class(observer_type), intent(inout), optional :: observer
       type(flow_type) :: flow
       type(energy_type) :: energy
@@ -104,6 +93,7 @@ contains
 
       error = 0
       call energy%setup(system)
+      call trend%begin(system)
       call flow%setup(system, 2, flow_order, flow_tolerance)
       flow%x(1, :) = state
       flow%x(2, :) = 1
@@ -117,9 +107,11 @@ contains
          if (.not. length > 0) return
          growth(k) = log(length)*frequency_ratio/(2*pi)
          flow%x(2, :) = flow%x(2, :)/length
+         call trend%add(flow%x(1, :))
          if (k >= next) then
             first = int(turning*k) + 1
             first = first + settled_part(growth(first:k), frequency_ratio) - 1
+            trend%first = first
             call exponent_of(growth(first:k), value, error)
             if (k == most .or. abs(value) > error .or. error < precise*frequency_ratio/(2*pi)) exit
             next = min(2*next, most)
@@ -167,20 +159,5 @@ contains
       exponent = weighted_mean(growth)
       error = student*sqrt(sum((part - sum(part)/blocks)**2)/(blocks*(blocks - 1)))
    end subroutine exponent_of
-
-   !> Mean with the weights exp(-1/(t (1 - t))), t from 0 to 1.
-   pure real(dp) function weighted_mean(values) result(mean)
-      real(dp), intent(in) :: values(:)
-      real(dp) :: weight(size(values)), t
-      integer :: i
-
-      mean = 0
-      if (size(values) == 0) return
-      do i = 1, size(values)
-         t = (i - 0.5_dp)/size(values)
-         weight(i) = exp(4 - 1/(t*(1 - t)))
-      end do
-      mean = sum(weight*values)/sum(weight)
-   end function weighted_mean
 
 end module geartrain_flow_lyapunov

@@ -25,7 +25,7 @@ module geartrain_flow_settling
    use geartrain_network_units, only: mesh_frequencies
    implicit none (type, external)
    private
-   public :: is_leaving, need_to_settle, settle
+   public :: is_leaving, is_linear, need_to_settle, settle
 
    !> Time between two calls of the observer, in which the slowest mesh vibrates alone by so many radians [1].
    real(dp), parameter :: between_looks = 200
@@ -154,16 +154,14 @@ contains
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state); largest Lyapunov exponent of the flow, per unit of time [1].
       real(dp), intent(in) :: frequency_ratio, state(:), exponent
-      type(flow_type) :: flow
       real(dp) :: orbit(size(state)), monodromy(size(state), size(state)), power(size(state), size(state)), length
       complex(dp) :: multipliers(size(state))
-      integer :: period(longest_period), i, n
+      integer :: period(longest_period), i
       logical :: found
 
       is_leaving = .false.
       if (size(state) > most_states) return
       period = likely_periods(system, frequency_ratio, state)
-      call flow%setup(system, 1, flow_order, flow_tolerance)
       do i = 1, most_others
          orbit = state
          call find_orbit(system, frequency_ratio, period(i), most_steps, orbit, monodromy, length, found)
@@ -171,14 +169,30 @@ contains
          power = monodromy
          call eigenvalues(power, multipliers)
          if (abs(rate_of(multipliers, frequency_ratio, period(i)) - exponent) > 0.2_dp*exponent) cycle
-         flow%x(1, :) = state
-         do n = 1, period(i)
-            call flow%pass_period(frequency_ratio)
-         end do
-         is_leaving = maxval(abs(flow%x(1, :) - orbit - matmul(monodromy, state - orbit))) < 0.1_dp*maxval(abs(state - orbit))
+         is_leaving = is_linear(system, frequency_ratio, period(i), state, orbit, monodromy)
          if (is_leaving) return
       end do
    end function is_leaving
+
+   !> Whether the flow from a state is linear next to an orbit.
+   logical function is_linear(system, frequency_ratio, period, state, orbit, monodromy)
+      type(system_type), target, intent(in) :: system
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Period of the orbit [periods of the fundamental].
+      integer, intent(in) :: period
+      !> State, and state of the orbit, at phase 0 [1], (state); monodromy matrix of the orbit [1], (state, state).
+      real(dp), intent(in) :: state(:), orbit(:), monodromy(:, :)
+      type(flow_type) :: flow
+      integer :: n
+
+      call flow%setup(system, 1, flow_order, flow_tolerance)
+      flow%x(1, :) = state
+      do n = 1, period
+         call flow%pass_period(frequency_ratio)
+      end do
+      is_linear = maxval(abs(flow%x(1, :) - orbit - matmul(monodromy, state - orbit))) < 0.1_dp*maxval(abs(state - orbit))
+   end function is_linear
 
    !> Rate of growth of the direction of the largest multiplier, per unit of time [1].
    pure real(dp) function rate_of(multipliers, frequency_ratio, period)

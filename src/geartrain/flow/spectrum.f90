@@ -4,6 +4,7 @@ module geartrain_flow_spectrum
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_lyapunov, only: exponent_of, settled_part
    use geartrain_flow_section_map, only: section_map_type
+   use geartrain_flow_section_trend, only: section_trend_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -21,7 +22,7 @@ contains
 
    !> The largest Lyapunov exponents, as many as asked for: tangents carried along the flow and made orthogonal again after each
    !> period of the fundamental (Benettin and others, 1980), in the norm of the energy.
-   subroutine lyapunov_spectrum(system, map, state, periods, exponents, errors, lost, sections)
+   subroutine lyapunov_spectrum(system, map, state, periods, exponents, errors, lost, sections, trend)
       type(system_type), intent(in) :: system
       !> The map from section to section.
       type(section_map_type), intent(in) :: map
@@ -35,11 +36,14 @@ contains
       logical, intent(inout) :: lost
       !> States after each period of the average [1], (state, period).
       real(dp), intent(out), optional :: sections(:, :)
+      !> Trend of these states.
+      type(section_trend_type), intent(out), optional :: trend
       type(energy_type) :: energy
       real(dp) :: tangents(size(state), size(exponents)), growth(periods, size(exponents)), length(size(exponents))
       integer :: first, i, k, largest
 
       call energy%setup(system)
+      if (present(trend)) call trend%begin(system)
       tangents = 0
       do i = 1, size(exponents)
          tangents(i, i) = 1
@@ -60,9 +64,11 @@ contains
          if (k < 1) cycle
          growth(k, :) = log(max(length, tiny(1.0_dp)))*map%frequency_ratio/(2*pi)
          if (present(sections)) sections(:, k) = state
+         if (present(trend)) call trend%add(state)
       end do
       ! The same part for all, so that their sum stays the mean of the divergence.
       first = settled_part(growth(:, 1), map%frequency_ratio)
+      if (present(trend)) trend%first = first
       do i = 1, size(exponents)
          call exponent_of(growth(first:, i), exponents(i), errors(i))
       end do
