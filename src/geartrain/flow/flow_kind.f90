@@ -6,9 +6,7 @@ module geartrain_flow_flow_kind
    use geartrain_base_kinds, only: dp, pi
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral
    use geartrain_flow_attractor_search, only: most_states, most_steps
-   use geartrain_flow_flow, only: flow_type
    use geartrain_flow_lyapunov, only: largest_neutral
-   use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_section_trend, only: section_trend_type
    use geartrain_flow_settling, only: is_leaving, is_linear
    use geartrain_flow_shooting, only: find_orbit

@@ -10,7 +10,7 @@ module geartrain_flow_section_trend
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: most_apart, section_trend_type
+   public :: section_trend_type
 
    !> Most periods between the two sections of a difference.
    integer, parameter :: most_apart = 16
