@@ -245,6 +245,15 @@ def test_more_vibrations_that_die_out(request):
     assert len(settle) >= 5 and settle.count("quasi-periodic") <= max(1, len(settle) / 10), settle
 
 
+def test_tangents_that_grow_for_a_while_are_no_chaos():
+    """From rest the flight comes to a torus; two flights that begin there 1e-7 apart do not part as those of a chaotic motion do."""
+    train, frequency = soft_train(), 2.297
+    assert train.integrate(frequency).kind == "quasi-periodic"
+    state = train.lyapunov_spectrum(frequency, transient=4000, periods=100).state
+    ends = [train.integrate(frequency, start=start, max_periods=1000, stability=False).state for start in (state, state + 1e-7)]
+    assert np.abs(ends[1] - ends[0]).max() < 1000 * 1e-7
+
+
 def test_a_vibration_that_grows_slowly_is_no_torus_yet():
     """Just beyond a Neimark-Sacker point the flight leaves the repelling motion of period 2 for a torus that is far off."""
     train = equal_wheels()

@@ -6,7 +6,7 @@ module geartrain_flow_flow_kind
    use geartrain_base_kinds, only: dp, pi
    use geartrain_floquet_multipliers, only: eigenvalues, is_neutral
    use geartrain_flow_attractor_search, only: most_states, most_steps
-   use geartrain_flow_lyapunov, only: largest_neutral
+   use geartrain_flow_lyapunov, only: largest_neutral, outgrows
    use geartrain_flow_section_trend, only: section_trend_type
    use geartrain_flow_settling, only: is_leaving, is_linear
    use geartrain_flow_shooting, only: find_orbit
@@ -36,9 +36,11 @@ contains
       !> Trend of the sections of the flight over which the exponent was averaged.
       type(section_trend_type), intent(inout) :: trend
 
+      call trend%measure()
       kind = 'undecided'
       if (error < largest_neutral*frequency_ratio/(2*pi)) kind = 'quasi-periodic'
-      if (exponent > max(error, rounding*frequency_ratio)) kind = 'chaotic'
+      if (exponent > max(error, rounding*frequency_ratio) .and. outgrows(frequency_ratio, exponent, trend%periods)) &
+         kind = 'chaotic'
       if (exponent < -max(error, rounding*frequency_ratio)) kind = 'still settling'
       ! A motion that has not yet left an unstable orbit has the exponent of the orbit, and may still settle on a regular motion.
       if (kind == 'chaotic') then
@@ -56,7 +58,6 @@ contains
       character(*), intent(inout) :: kind
       integer :: n
 
-      call trend%measure()
       kind = 'undecided'
       if (size(trend%change) == 0) return
       kind = 'still settling'

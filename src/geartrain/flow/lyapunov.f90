@@ -11,7 +11,7 @@ module geartrain_flow_lyapunov
    use geartrain_network_units, only: mesh_frequencies
    implicit none (type, external)
    private
-   public :: exponent_of, find_exponent, largest_exponent, largest_neutral, settled_part
+   public :: exponent_of, find_exponent, largest_exponent, largest_neutral, outgrows, settled_part
 
    !> Share of the periods that is not averaged: the tangent turns to the direction that grows fastest.
    real(dp), parameter :: turning = 0.2_dp
@@ -113,7 +113,8 @@ contains
             first = first + settled_part(growth(first:k), frequency_ratio) - 1
             trend%first = first
             call exponent_of(growth(first:k), value, error)
-            if (k == most .or. abs(value) > error .or. error < precise*frequency_ratio/(2*pi)) exit
+            if (k == most .or. value < -error .or. error < precise*frequency_ratio/(2*pi)) exit
+            if (value > error .and. outgrows(frequency_ratio, value, k - first + 1)) exit
             next = min(2*next, most)
             growth = [growth, spread(0.0_dp, 1, next - k)]
          end if
@@ -124,6 +125,16 @@ contains
       end do
       exponent = value
    end subroutine average
+
+   !> Whether tangents grow by more than on a torus, where neighbouring flows may part in proportion to time.
+   pure logical function outgrows(frequency_ratio, exponent, periods)
+      !> Lambda [1]; exponent per unit of time [1].
+      real(dp), intent(in) :: frequency_ratio, exponent
+      !> Periods of the fundamental that the exponent is averaged over.
+      integer, intent(in) :: periods
+
+      outgrows = exponent*periods*2*pi/frequency_ratio > log(real(periods, dp))
+   end function outgrows
 
    !> First period of the last part whose halves agree: the motion may come to its attractor long after the average begins.
    pure integer function settled_part(growth, frequency_ratio) result(first)
