@@ -246,7 +246,7 @@ def test_more_vibrations_that_die_out(request):
 
 
 def test_tangents_that_grow_for_a_while_are_no_chaos():
-    """From rest the flight comes to a torus; two flights that begin there 1e-7 apart do not part as those of a chaotic motion do."""
+    """From rest the flight comes to a torus; two flights from there 1e-7 apart do not part as those of a chaotic motion do."""
     train, frequency = soft_train(), 2.297
     assert train.integrate(frequency).kind == "quasi-periodic"
     state = train.lyapunov_spectrum(frequency, transient=4000, periods=100).state
