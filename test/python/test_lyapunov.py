@@ -238,6 +238,7 @@ def test_a_vibration_that_dies_out_is_no_torus(seed):
 
 
 @pytest.mark.nightly
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 def test_more_vibrations_that_die_out(request):
     """Beats longer than a flight hide that it dies out: one in ten at most."""
     first = 1000 * (1 + request.config.getoption("--seed"))
