@@ -75,8 +75,8 @@ contains
       end do
    end subroutine singular_block
 
-   !> dS/ds over a backlash where the teeth all but part. While they are in contact the residual is linear in the backlash, so that a
-   !> long difference to the side where they stay in contact is exact but for rounding.
+   !> dS/ds over a backlash where the teeth all but part. While they are in contact the residual is linear in the backlash, so
+   !> that a long difference to the side where they stay in contact is exact but for rounding.
    subroutine beside_a_wall(tests)
       class(tests_type), intent(inout) :: tests
       !> Gap that is left, over the amplitude [1]: less than the differences within `evaluate` move the wall.

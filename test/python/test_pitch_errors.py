@@ -219,7 +219,7 @@ def test_two_stages_with_errors_of_their_gears():
     """Their common period is hours: what to give is said, and the motion does not depend on what is given."""
     reducer = gt.read_case(ROOT / "namelists" / "reducer.nml").train
     meshes = [replace(mesh, driving_runout=12e-6, driven_runout=20e-6) for mesh in reducer.meshes]
-    with pytest.raises(gt.InputError, match="lacks characteristic_frequency .* Give 1.0, and speeds with unit = 'rpm'"):
+    with pytest.raises(gt.InputError, match=r"lacks characteristic_frequency .* Give 1.0, and speeds with unit = 'rpm'"):
         replace(reducer, meshes=meshes).natural_frequencies()
     one, other = (
         replace(reducer, meshes=meshes, characteristic_frequency=unit).integrate(1450.0, unit="rpm") for unit in (1.0, 7.0)
