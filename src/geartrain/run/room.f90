@@ -12,6 +12,9 @@ module geartrain_run_room
    !> as an HDF5 file in memory and as its bytes, with a field on its way and a copy of a map under way.
    integer(int64), parameter :: times = 6
 
+   !> Fewest steps between two looks: results of so few are small beside the memory that is kept free.
+   integer, parameter :: fewest = 32
+
    !> Looks now and then whether there is memory for the results.
    type :: room_type
       !> There is no memory for more results; the work was ended for this reason.
@@ -27,7 +30,7 @@ module geartrain_run_room
 contains
 
    !> Ends the work where there is no memory for results that grow on. The results are measured each time that the number of steps
-   !> has grown by a quarter, so that measuring takes no time and the results cannot double unseen.
+   !> has grown by a quarter, and by `fewest`, so that measuring takes no time and large results cannot double unseen.
    subroutine look(self, analysis, case, results, keep_going)
       class(room_type), intent(inout) :: self
       !> Name of the analysis, as an observer gets it.
@@ -47,7 +50,7 @@ contains
       end if
       self%steps = self%steps + 1
       if (self%steps >= self%next) then
-         self%next = max(self%steps + 1, self%steps + self%steps/4)
+         self%next = self%steps + max(fewest, self%steps/4)
          self%lacks = .not. has_room(times*results_bytes(results, case))
       end if
       if (self%lacks) keep_going = .false.
