@@ -22,6 +22,8 @@ sys.path.insert(0, str(ROOT / "test" / "python"))
 from gearboxes import PLANETARY_TURBINE, REFERENCE_TURBINE, TRANSAXLE, TRUCK, WIND_TURBINE  # noqa: E402
 
 PATIENCE, REPEATS = 600, 3
+#: Exit status of a run that ended early and has written what it found.
+ENDED_EARLY = 3
 OWN = ROOT / "build" / "release" / "geartrain"
 REDUCER = re.sub(r"(?ms)^&(modes|response|integration|run_up).*?/$", "", (ROOT / "namelists/reducer.nml").read_text("utf-8"))
 TURBINE = WIND_TURBINE.format(torque="322.0e3")
@@ -43,18 +45,20 @@ CASES = {
 }
 
 
-def seconds(executable: Path, text: str) -> float:
-    """Processor time of a run [s]; infinite where it takes more than `PATIENCE`."""
+def run(executable: Path, text: str) -> tuple[float, bool]:
+    """Processor time of a run [s], infinite where it takes more than `PATIENCE`, and whether the response is complete."""
     with tempfile.TemporaryDirectory() as folder:
         case = Path(folder) / "case.nml"
         case.write_text(text + f"&output file = '{folder}/case.h5' /\n", encoding="utf-8")
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         try:
-            subprocess.run([executable, case], check=True, timeout=PATIENCE, capture_output=True,
-                           env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
+            done = subprocess.run([executable, case], check=False, timeout=PATIENCE, capture_output=True,
+                                  env={**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"})
         except subprocess.TimeoutExpired:
-            return float("inf")
-        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+            return float("inf"), False
+        if done.returncode not in (0, ENDED_EARLY):
+            done.check_returncode()
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, done.returncode == 0
 
 
 def measure(quick: bool, executable: Path, say: Callable[[str], None]) -> dict[str, list[dict[str, Any]]]:
@@ -62,7 +66,8 @@ def measure(quick: bool, executable: Path, say: Callable[[str], None]) -> dict[s
     rows = []
     for name, text in CASES.items():
         say(name)
-        rows.append({"case": name, "seconds": [seconds(Path(executable).resolve(), text) for _ in range(1 if quick else REPEATS)]})
+        runs = [run(Path(executable).resolve(), text) for _ in range(1 if quick else REPEATS)]
+        rows.append({"case": name, "seconds": [seconds for seconds, _ in runs], "complete": all(complete for _, complete in runs)})
     return {"rows": rows}
 
 
@@ -74,7 +79,7 @@ def main() -> None:
         for repeat in range(REPEATS):
             for place, executable in enumerate(executables):
                 if repeat == 0 or least[place] < PATIENCE:
-                    least[place] = min(least[place], seconds(executable, text))
+                    least[place] = min(least[place], run(executable, text)[0])
         told = [f"{value:.2f} s" if value < PATIENCE else f"more than {PATIENCE} s" for value in least]
         print(f"{name}: {', '.join(told)}", flush=True)
 

@@ -233,7 +233,7 @@ Efficiency is the time of the plain loop over the product of processes and wall 
 
 
 def gearboxes_section(found):
-    rows = [(row["case"], spread(row["seconds"])) for row in found["rows"]]
+    rows = [(row["case"], spread(row["seconds"]), "yes" if row["complete"] else "no") for row in found["rows"]]
     return f"""## Real gearboxes
 
 The table has the processor time of whole runs of the executable. The gearbox of a wind turbine of 750 kW has three stages (120/21,
@@ -241,7 +241,7 @@ The table has the processor time of whole runs of the executable. The gearbox of
 meshes that rattle (`test/python/gearboxes.py`). The reducer has two stages (`namelists/reducer.nml`). `python
 benchmarks/real_gearboxes.py EXECUTABLE` measures another executable.
 
-{table(("case", "processor time"), rows)}"""
+{table(("case", "processor time", "complete"), rows)}"""
 
 
 def write(found, path):
