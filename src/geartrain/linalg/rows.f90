@@ -86,8 +86,10 @@ contains
       type(row_type), intent(in) :: row
       !> The row is independent, and one amplitude less is free.
       logical, intent(out) :: independent
-      real(dp) :: value(size(self%free)), height(size(self%free)), share(size(self%share, 1)), factor
-      integer :: f, i, nodes, pivot, least
+      real(dp) :: value(size(self%free)), height(size(self%free)), share(size(self%share, 1)), factor, term, largest
+      !> Amplitudes that move the row: the only ones in which anything changes, and few of many.
+      integer, allocatable :: moving(:)
+      integer :: f, i, k, nodes, pivot, least
 
       value = 0
       height = 0
@@ -98,13 +100,16 @@ contains
          end where
       end do
       where (abs(value) <= rounding*height) value = 0
-      independent = any(abs(value) > 0)
+      moving = pack([(f, f=1, size(value))], abs(value) > 0)
+      independent = size(moving) > 0
       if (.not. independent) return
       ! The amplitude that moves the fewest nodes: what was written before changes least.
+      largest = maxval(abs(value))
       pivot = 0
       least = huge(least)
-      do f = 1, size(value)
-         if (abs(value(f)) < least_pivot*maxval(abs(value)) .or. .not. abs(value(f)) > 0) cycle
+      do k = 1, size(moving)
+         f = moving(k)
+         if (abs(value(f)) < least_pivot*largest) cycle
          nodes = count(abs(self%motion(:, f)) > 0)
          if (nodes > least) cycle
          least = nodes
@@ -120,12 +125,17 @@ contains
             self%share(:, i) = self%share(:, i) - factor*share
             self%share(self%rank, i) = self%share(self%rank, i) + factor
          end if
-         ! Terms that cancel leave nothing: their rounding would count as a motion.
-         where (abs(self%motion(i, :) - factor*value) > nothing*(abs(self%motion(i, :)) + abs(factor*value)))
-            self%motion(i, :) = self%motion(i, :) - factor*value
-         elsewhere
-            self%motion(i, :) = 0
-         end where
+         do k = 1, size(moving)
+            associate (entry => self%motion(i, moving(k)))
+               term = factor*value(moving(k))
+               ! Terms that cancel leave nothing: their rounding would count as a motion.
+               if (abs(entry - term) > nothing*(abs(entry) + abs(term))) then
+                  entry = entry - term
+               else
+                  entry = 0
+               end if
+            end associate
+         end do
          self%motion(i, pivot) = 0
       end do
       self%free(pivot) = .false.
