@@ -224,8 +224,7 @@ def study_section(found):
     return f"""## Studies
 
 {found["points"]} responses of figure 3's train, with each value of its meshes within 10 % ([studies.md](studies.md)), on
-{found["workers"]} processes. Overhead is the share by which the processor time of all processes
-exceeds that of a loop in one process.
+{found["workers"]} processes. Overhead compares the processor time of all processes with that of the plain loop.
 Efficiency is the time of the plain loop over the product of processes and wall time.
 
 {table(("engine", "wall time", "processor time", "overhead", "efficiency", "client's memory"), rows)}

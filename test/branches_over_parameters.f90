@@ -95,7 +95,7 @@ contains
                  maxval(system%stiffness)*system%characteristic_length)
       ! The dynamic factor is the force over the static one.
       call close('dynamic factor', near%mesh_load(:, k)%dynamic_factor, branch%mesh_load(:, i)%dynamic_factor, &
-                 maxval(system%stiffness)*system%characteristic_length*maxval(near%mesh_load(:, k)%dynamic_factor/ &
+                 maxval(system%stiffness)*system%characteristic_length*maxval(abs(near%mesh_load(:, k)%dynamic_factor)/ &
                                                                               near%mesh_load(:, k)%force_maximum, &
                                                                               near%mesh_load(:, k)%force_maximum > 0))
       call close('separation', near%mesh_load(:, k)%separation, branch%mesh_load(:, i)%separation, &

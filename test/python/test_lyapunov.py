@@ -218,7 +218,7 @@ def ringing(seed):
 
 
 def kinds_of(seed):
-    """The kind of a flight whose exponent is 0 within its uncertainty, and that of a flight fifty times as long; or None."""
+    """Kinds of a flight and of one fifty times as long, where the exponent of the first may be 0; else None."""
     train, frequency, periods = ringing(seed)
     try:
         found = train.lyapunov_spectrum(frequency, transient=periods // 2, periods=periods)
@@ -247,7 +247,7 @@ def test_more_vibrations_that_die_out(request):
 
 
 def test_tangents_that_grow_for_a_while_are_no_chaos():
-    """From rest the flight comes to a torus; two flights from there 1e-7 apart do not part as those of a chaotic motion do."""
+    """From rest the flight comes to a torus. Two flights from there, 1e-7 apart, stay together; in chaos they would part."""
     train, frequency = soft_train(), 2.297
     assert train.integrate(frequency).kind == "quasi-periodic"
     state = train.lyapunov_spectrum(frequency, transient=4000, periods=100).state

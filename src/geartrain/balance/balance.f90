@@ -119,11 +119,7 @@ contains
 
          call self%path%system_at(value, side)
          pointer_to_side => side
-         if (self%samples == 0) then
-            call beside%take(pointer_to_side, self)
-         else
-            call beside%take(pointer_to_side)
-         end if
+         call beside%take(pointer_to_side, self)
          call beside%evaluate_at(u, self%path%frequency_ratio)
       end subroutine find_beside
 

@@ -85,6 +85,7 @@ contains
 
       self%periods = self%sections - self%first + 1
       n = max(0, min(most_apart, self%periods - blocks*fewest))
+      if (allocated(self%change)) deallocate (self%change, self%error)
       allocate (self%change(n), self%error(n))
       place = [(i - (blocks + 1)/2.0_dp, i=1, blocks)]/blocks
       do n = 1, size(self%change)

@@ -116,10 +116,11 @@ contains
    !> elastic force and impulse are continuous at a wall. Differences of them are right however near to a wall the motion comes.
    subroutine keep_events(self, other)
       class(contact_type), intent(inout) :: self
-      !> The contact at its latest `update`, with exact coefficients.
+      !> The contact at its latest `update`.
       type(contact_type), intent(in) :: other
 
-      ! A backlash of 0 has no walls.
+      ! Sampled spectra do not come from events, and a backlash of 0 has no walls.
+      if (.not. self%exact) return
       if (self%law%lowest /= other%law%lowest .or. self%law%highest /= other%law%highest) return
       self%kept = .true.
       self%events = other%events

@@ -33,7 +33,7 @@ contains
    subroutine check_scales(train, derived, checker)
       !> The plain train.
       type(train_type), intent(in) :: train
-      !> Whether the characteristic frequency is not given, and is that of the period of all teeth together at 1 rpm.
+      !> Whether the characteristic frequency follows from the common period of all teeth at 1 rpm, because it is not given.
       logical, intent(in) :: derived
       class(checker_type), intent(inout) :: checker
       real(dp) :: static, unit, largest, own
@@ -48,9 +48,9 @@ contains
       call checker%enter('train', 1)
       if (abs(log10(own) - log10(train%characteristic_frequency)) > off_unit) then
          if (derived) then
-            call checker%lacks('characteristic_frequency', '> 0 rad/s', ': left out, it is that of the common period of all teeth &
-               &at 1 rpm, '//text(train%characteristic_frequency)//' rad/s, more than a factor of 1e9 below '//text(own)// &
-               ' rad/s, the frequency of the slowest mesh. Give 1.0, and speeds with unit = ''rpm''')
+            call checker%lacks('characteristic_frequency', '> 0 rad/s', ': the common period of all teeth at 1 rpm gives '// &
+               text(train%characteristic_frequency)//' rad/s, and it must be within a factor of 1e9 of the frequency of the &
+               &slowest mesh, '//text(own)//' rad/s. Give 1.0, and speeds with unit = ''rpm''')
          else
             call checker%complain('characteristic_frequency', real_text(train%characteristic_frequency), 'must be within a factor &
                &of 1e9 of the frequency of the slowest mesh, '//text(own)//' rad/s by its stiffness, radii and inertias')
