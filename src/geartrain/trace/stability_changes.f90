@@ -36,6 +36,8 @@ module geartrain_trace_stability_changes
    !> Width of the bracket of a change, as a share of the step, at which it is located where chords are not exact.
    real(dp), parameter :: located = 1e-9_dp
    integer, parameter :: most_steps = 60
+   !> Distance from the circle of a multiplier of which nothing is known but that it is inside.
+   real(dp), parameter :: none = -0.5_dp
    !> Difference of multipliers that are equal by the symmetry of the train.
    real(dp), parameter :: equal = 1e-7_dp
 
@@ -87,7 +89,7 @@ contains
       type(solution_point_type) :: solution
       real(dp) :: s
       integer :: change(3), kind
-      logical :: success
+      logical :: above, success
 
       change = outside(last) - outside(first)
       if (change(doubling) == 0 .and. change(neimark_sacker) == 0) then
@@ -95,10 +97,11 @@ contains
       end if
       if (all(mod(change([doubling, above_one]), 2) == 0) .and. stays(first, last)) return
       kind = merge(doubling, neimark_sacker, change(neimark_sacker) == 0)
+      above = change(above_one) == 0
       if (any(change([doubling, neimark_sacker]) /= 0) .and. &
-          change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. change(above_one) == 0) .and. &
-          pass_together(first, last, kind)) then
-         call locate(corrector, monodromy, piece, a, b, first, last, kind, solution, s)
+          change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. above) .and. &
+          (abs(change(kind)) == 1 .or. pass_together(first, last, kind, above))) then
+         call locate(corrector, monodromy, piece, a, b, first, last, kind, above, solution, s)
          call list(abs(change(kind)))
          return
       end if
@@ -154,15 +157,16 @@ contains
       most_above = count(abs(multipliers%im) <= next_to_one .and. multipliers%re > 1 - next_to_one)
    end function most_above
 
-   !> Whether the multipliers of a kind that pass the circle are equal at both ends, as the differences of equal branches have them.
-   pure logical function pass_together(first, last, kind)
+   !> Whether the multipliers that pass the circle are equal at both ends, as the differences of equal branches have them.
+   pure logical function pass_together(first, last, kind, above)
       complex(dp), intent(in) :: first(:), last(:)
       integer, intent(in) :: kind
-      integer :: counts(3, 2), number(2)
+      !> Real multipliers above +1 count.
+      logical, intent(in) :: above
+      integer :: number(2)
 
-      counts(:, 1) = outside(first)
-      counts(:, 2) = outside(last)
-      number = [minval(counts(kind, :)) + 1, maxval(counts(kind, :))]
+      number = [number_outside(first, above), number_outside(last, above)]
+      number = [minval(number) + 1, maxval(number)]
       pass_together = are_equal(first) .and. are_equal(last)
 
    contains
@@ -170,7 +174,7 @@ contains
       pure logical function are_equal(multipliers)
          complex(dp), intent(in) :: multipliers(:)
 
-         are_equal = abs(excess(multipliers, kind, number(1)) - excess(multipliers, kind, number(2))) <= equal
+         are_equal = abs(excess(multipliers, kind, number(1), above) - excess(multipliers, kind, number(2), above)) <= equal
       end function are_equal
 
    end function pass_together
@@ -191,45 +195,53 @@ contains
       stays = all(abs(b - a) < min(abs(a - 1), abs(b - 1)))
    end function stays
 
-   !> The solution point between the distances `from` and `to` along a piece where a multiplier of a kind passes the circle.
-   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, solution, s)
+   !> The solution point between the distances `from` and `to` along a piece where a multiplier passes the circle.
+   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, above, solution, s)
       type(corrector_type), intent(inout) :: corrector
       type(monodromy_type), intent(inout) :: monodromy
       type(piece_type), intent(in) :: piece
       real(dp), intent(in) :: from, to
       complex(dp), intent(in) :: first(:), last(:)
       integer, intent(in) :: kind
+      !> Real multipliers above +1 count: as many at both ends.
+      logical, intent(in) :: above
       type(solution_point_type), intent(inout) :: solution
       !> Distance of the point from the beginning of the piece [1].
       real(dp), intent(out) :: s
       complex(dp) :: multipliers(size(first))
+      !> Place and excess of the latest two places at which the multiplier is outside or, inside, known.
+      real(dp) :: known(2, 2)
       real(dp) :: a, b, fa, fb, f, f_before, s_before, before, chord
-      integer :: i, kept, critical(3), number
+      integer :: i, kept, number
       logical :: success
 
-      critical = max(outside(first), outside(last))
-      number = critical(kind)
+      number = max(number_outside(first, above), number_outside(last, above))
       kept = 0
       f_before = 1
       s_before = 0
       before = 0
       a = from
       b = to
-      fa = excess(first, kind, number)
-      fb = excess(last, kind, number)
+      fa = excess(first, kind, number, above)
+      fb = excess(last, kind, number, above)
+      known(:, 1) = merge([a, fa], [b, fb], fa > 0)
+      known(:, 2) = merge([b, fb], [a, fa], fa > 0)
+      if (known(2, 2) <= none) known(:, 2) = known(:, 1)
       do i = 1, most_steps
          s = between(a, b, fa, fb)
-         ! Where other multipliers stay on the circle `excess` has a kink, at which chords hardly move.
-         if (mod(i, 6) == 0) s = (a + b)/2
+         associate (at => known(1, :), e => known(2, :))
+            if (abs(e(2) - e(1)) > 0) s = at(2) - e(2)*(at(2) - at(1))/(e(2) - e(1))
+         end associate
+         ! Inside, other multipliers may be as near to the circle: chords then hardly move.
+         if (.not. (s > a .and. s < b) .or. mod(i, 4) == 0) s = (a + b)/2
          call find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
          if (.not. success) return
-         f = excess(multipliers, kind, number)
+         f = excess(multipliers, kind, number, above)
          ! How far the chord through the latest two places leads: where multipliers hardly change, as of a train of little damping,
          ! a multiplier next to the circle may be far from where it passes.
          chord = huge(chord)
          if (i > 1 .and. abs(f - f_before) > 0) chord = -f*(s - s_before)/(f - f_before)
-         ! An excess of 0 to rounding, from below, may belong to a multiplier that stays on the circle.
-         if (max(abs(f), abs(chord)/(to - from)) < nearly .and. (f > 0 .or. f < -10*neutral)) then
+         if (max(abs(f), abs(chord)/(to - from)) < nearly) then
             if (max(abs(f*f_before), abs(chord*(s + chord - s_before))/(to - from)**2) < closely) then
                ! Lambda is that of the chord as well: s is a place on the cubic through the ends, along which Lambda grows by
                ! another amount than along the branch.
@@ -240,31 +252,52 @@ contains
          end if
          call shrink(a, b, fa, fb, s, f, kept)
          if (b - a < located*(to - from)) return
+         if (f > none) then
+            known(:, 1) = known(:, 2)
+            known(:, 2) = [s, f]
+         end if
          f_before = f
          s_before = s
          before = solution%frequency_ratio
       end do
    end subroutine locate
 
-   !> Distance from the circle, negative inside, of multiplier number `number` of a kind, the farthest counted first.
-   pure real(dp) function excess(multipliers, kind, number)
+   !> Number of multipliers outside the circle, with those above +1 or without.
+   pure integer function number_outside(multipliers, above) result(number)
+      complex(dp), intent(in) :: multipliers(:)
+      logical, intent(in) :: above
+      integer :: kinds(3)
+
+      kinds = outside(multipliers)
+      number = kinds(doubling) + 2*kinds(neimark_sacker)
+      if (above) number = number + kinds(above_one)
+      ! Where only the leading multipliers are known the last one may lack its conjugate.
+      number = min(number, size(multipliers))
+   end function number_outside
+
+   !> Distance from the circle of the multiplier that is farthest but number - 1; negative where it is inside, of the farthest there of
+   !> the kind. Outside, magnitudes of any kind: where two real multipliers become a pair they are continuous, and nothing passes.
+   pure real(dp) function excess(multipliers, kind, number, above)
+      !> Multipliers, largest magnitude first.
       complex(dp), intent(in) :: multipliers(:)
       integer, intent(in) :: kind, number
-      real(dp), parameter :: none = -0.5_dp
+      !> Real positive multipliers count.
+      logical, intent(in) :: above
       real(dp) :: length(size(multipliers))
-      integer :: i, n
+      integer :: i
 
-      if (kind == doubling) then
-         length = merge(-multipliers%re, 0.0_dp, is_real(multipliers))
-         n = number
-      else
-         length = merge(0.0_dp, abs(multipliers), is_real(multipliers))
-         n = 2*number - 1
-      end if
-      do i = 1, n - 1
+      length = abs(multipliers)
+      if (.not. above) length = merge(0.0_dp, length, is_real(multipliers) .and. multipliers%re > 0)
+      do i = 1, number - 1
          length(maxloc(length, 1)) = 0
       end do
+      if (.not. any(length > 1 + neutral)) then
+         length = merge(length, 0.0_dp, is_real(multipliers) .eqv. kind == doubling)
+         if (kind == doubling) length = merge(length, 0.0_dp, multipliers%re < 0)
+      end if
       excess = max(none, maxval(length) - 1 - neutral)
+      ! A pair that stays on the circle to rounding tells nothing of how far from here another passes.
+      if (kind == neimark_sacker .and. excess > -10*neutral .and. excess <= 0) excess = none
    end function excess
 
    !> Multipliers at the distance s along a piece. Newton's method begins at the cubic through the ends. Where it fails, as may be
