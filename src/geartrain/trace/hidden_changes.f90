@@ -147,7 +147,7 @@ contains
          samples%at = samples%at*(piece%length/apart(0))
          do n = 1, most_places
             call samples%highest(piece%length, s, peak)
-            call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, s, solution, between, success)
+            call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, .true., s, solution, between, success)
             if (.not. success) return
             if (.not. are_numbers(between)) return
             counts = outside(between)

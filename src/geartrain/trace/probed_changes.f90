@@ -75,11 +75,6 @@ contains
       if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
       call system_clock(began, rate)
       piece = piece_type(here, next, arc_length(here, next, corrector%units), branch%arclength(before))
-      ! Of a train of many states multipliers that are all inside the circle may be rough.
-      if (monodromy%is_partial() .and. max(abs(first(1)), abs(last(1))) > 1) then
-         if (abs(first(1)) < 1) call find_at(0.0_dp, first, success)
-         if (abs(last(1)) < 1) call find_at(piece%length, last, success)
-      end if
       probes = 0
       ! Where teeth stay in contact the motion hardly changes over a range in which a mode or two resonate with the mesh stiffness.
       if (minval(abs(abs([first, last]) - 1)) < far) &
@@ -98,7 +93,7 @@ contains
          call go_along(here, next, s/piece%length, corrector%units, solution)
          call corrector%find_distance(solution, distance)
          hidden = hidden .or. distance > off_cubic*curve_limit(corrector, solution)
-         call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
+         call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio, verdict=.true.)
          call monodromy%multipliers(multipliers)
          if (.not. are_numbers(multipliers)) cycle
          call places%insert(s, multipliers, .true.)
@@ -129,7 +124,7 @@ contains
 
    contains
 
-      !> Multipliers to their digits at a place of the step; as they are where Newton's method fails.
+      !> Multipliers at a place of the step; as they are where Newton's method fails.
       subroutine find_at(at, multipliers, success)
          real(dp), intent(in) :: at
          complex(dp), intent(inout) :: multipliers(:)
@@ -138,7 +133,7 @@ contains
          real(dp) :: place
 
          place = at
-         call find_multipliers(corrector, monodromy, piece, at, at, place, solution, found, success)
+         call find_multipliers(corrector, monodromy, piece, at, at, .true., place, solution, found, success)
          if (success) success = are_numbers(found)
          if (success) multipliers = found
       end subroutine find_at
@@ -235,7 +230,7 @@ contains
          do i = 1, looks
             if (.not. samples%reach_circle(piece%length, uncertain, i > 1)) exit
             call samples%highest(piece%length, s, peak)
-            call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, s, solution, multipliers, success)
+            call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, .true., s, solution, multipliers, success)
             if (.not. success) exit
             if (.not. are_numbers(multipliers)) exit
             counts(:, n + 1) = outside(multipliers)

@@ -100,13 +100,13 @@ contains
       above = change(above_one) == 0
       if (any(change([doubling, neimark_sacker]) /= 0) .and. &
           change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. above) .and. &
-          (abs(change(kind)) == 1 .or. pass_together(first, last, kind, above))) then
+          (abs(change(kind)) == 1 .or. pass_together(first, last, kind))) then
          call locate(corrector, monodromy, piece, a, b, first, last, kind, above, solution, s)
          call list(abs(change(kind)))
          return
       end if
       s = (a + b)/2
-      call find_multipliers(corrector, monodromy, piece, a, b, s, solution, middle, success)
+      call find_multipliers(corrector, monodromy, piece, a, b, .false., s, solution, middle, success)
       if (success .and. b - a > together*piece%length) then
          call separate(corrector, monodromy, piece, a, s, first, middle, after, branch)
          call separate(corrector, monodromy, piece, s, b, middle, last, after, branch)
@@ -157,27 +157,58 @@ contains
       most_above = count(abs(multipliers%im) <= next_to_one .and. multipliers%re > 1 - next_to_one)
    end function most_above
 
-   !> Whether the multipliers that pass the circle are equal at both ends, as the differences of equal branches have them.
-   pure logical function pass_together(first, last, kind, above)
+   !> Whether the multipliers of a kind that pass the circle are equal at both ends, as the differences of equal branches have them.
+   pure logical function pass_together(first, last, kind)
       complex(dp), intent(in) :: first(:), last(:)
       integer, intent(in) :: kind
-      !> Real multipliers above +1 count.
-      logical, intent(in) :: above
-      integer :: number(2)
+      integer :: counts(3, 2), number(2)
 
-      number = [number_outside(first, above), number_outside(last, above)]
-      number = [minval(number) + 1, maxval(number)]
+      counts(:, 1) = outside(first)
+      counts(:, 2) = outside(last)
+      number = [minval(counts(kind, :)) + 1, maxval(counts(kind, :))]
       pass_together = are_equal(first) .and. are_equal(last)
 
    contains
 
       pure logical function are_equal(multipliers)
          complex(dp), intent(in) :: multipliers(:)
+         real(dp) :: length(size(multipliers))
+         integer :: place(2)
 
-         are_equal = abs(excess(multipliers, kind, number(1), above) - excess(multipliers, kind, number(2), above)) <= equal
+         length = of_kind(multipliers, kind)
+         ! A pair has two places.
+         place = merge(number, 2*number - 1, kind == doubling)
+         are_equal = abs(in_order(length, place(1)) - in_order(length, place(2))) <= equal
       end function are_equal
 
    end function pass_together
+
+   !> Magnitudes of the multipliers that are real and negative, or in pairs; 0 of the others.
+   pure function of_kind(multipliers, kind) result(length)
+      complex(dp), intent(in) :: multipliers(:)
+      integer, intent(in) :: kind
+      real(dp) :: length(size(multipliers))
+
+      if (kind == doubling) then
+         length = merge(max(0.0_dp, -multipliers%re), 0.0_dp, is_real(multipliers))
+      else
+         length = merge(0.0_dp, abs(multipliers), is_real(multipliers))
+      end if
+   end function of_kind
+
+   !> The length at a place in their descending order.
+   pure real(dp) function in_order(length, place)
+      real(dp), intent(in) :: length(:)
+      integer, intent(in) :: place
+      logical :: left(size(length))
+      integer :: i
+
+      left = .true.
+      do i = 1, place - 1
+         left(maxloc(length, 1, left)) = .false.
+      end do
+      in_order = maxval(length, left)
+   end function in_order
 
    !> Whether no multiplier crosses the circle: as many are outside at both ends of a piece, and the multipliers next to the circle
    !> are farther from it than they move. Then pairs only become real, or complex, on their side of the circle.
@@ -209,24 +240,22 @@ contains
       !> Distance of the point from the beginning of the piece [1].
       real(dp), intent(out) :: s
       complex(dp) :: multipliers(size(first))
-      !> Place and excess of the latest two places at which the multiplier is outside or, inside, known.
-      real(dp) :: known(2, 2)
-      real(dp) :: a, b, fa, fb, f, f_before, s_before, before, chord
-      integer :: i, kept, number
+      !> Place, excess and Lambda of the latest two places at which the multiplier is outside or, inside, known.
+      real(dp) :: known(3, 2)
+      real(dp) :: a, b, fa, fb, f, chord
+      integer :: i, kept, number, taken
       logical :: success
 
       number = max(number_outside(first, above), number_outside(last, above))
       kept = 0
-      f_before = 1
-      s_before = 0
-      before = 0
       a = from
       b = to
       fa = excess(first, kind, number, above)
       fb = excess(last, kind, number, above)
-      known(:, 1) = merge([a, fa], [b, fb], fa > 0)
-      known(:, 2) = merge([b, fb], [a, fa], fa > 0)
+      known(:2, 1) = merge([a, fa], [b, fb], fa > 0)
+      known(:2, 2) = merge([b, fb], [a, fa], fa > 0)
       if (known(2, 2) <= none) known(:, 2) = known(:, 1)
+      taken = 0
       do i = 1, most_steps
          s = between(a, b, fa, fb)
          associate (at => known(1, :), e => known(2, :))
@@ -234,31 +263,29 @@ contains
          end associate
          ! Inside, other multipliers may be as near to the circle: chords then hardly move.
          if (.not. (s > a .and. s < b) .or. mod(i, 4) == 0) s = (a + b)/2
-         call find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
+         call find_multipliers(corrector, monodromy, piece, a, b, .false., s, solution, multipliers, success)
          if (.not. success) return
          f = excess(multipliers, kind, number, above)
-         ! How far the chord through the latest two places leads: where multipliers hardly change, as of a train of little damping,
-         ! a multiplier next to the circle may be far from where it passes.
-         chord = huge(chord)
-         if (i > 1 .and. abs(f - f_before) > 0) chord = -f*(s - s_before)/(f - f_before)
-         if (max(abs(f), abs(chord)/(to - from)) < nearly) then
-            if (max(abs(f*f_before), abs(chord*(s + chord - s_before))/(to - from)**2) < closely) then
-               ! Lambda is that of the chord as well: s is a place on the cubic through the ends, along which Lambda grows by
-               ! another amount than along the branch.
-               solution%frequency_ratio = solution%frequency_ratio + chord*(solution%frequency_ratio - before)/(s - s_before)
-               s = s + chord
-               return
+         if (f > none) then
+            known(:, 1) = known(:, 2)
+            known(:, 2) = [s, f, solution%frequency_ratio]
+            taken = taken + 1
+            ! How far the chord through the latest two places leads: where multipliers hardly change, as of a train of little
+            ! damping, a multiplier next to the circle may be far from where it passes.
+            chord = huge(chord)
+            if (taken > 1 .and. abs(f - known(2, 1)) > 0) chord = -f*(s - known(1, 1))/(f - known(2, 1))
+            if (max(abs(f), abs(chord)/(to - from)) < nearly) then
+               if (max(abs(f*known(2, 1)), abs(chord*(s + chord - known(1, 1)))/(to - from)**2) < closely) then
+                  ! Lambda is that of the chord as well: s is a place on the cubic through the ends, along which Lambda grows by
+                  ! another amount than along the branch.
+                  solution%frequency_ratio = known(3, 2) + chord*(known(3, 2) - known(3, 1))/(s - known(1, 1))
+                  s = s + chord
+                  return
+               end if
             end if
          end if
          call shrink(a, b, fa, fb, s, f, kept)
          if (b - a < located*(to - from)) return
-         if (f > none) then
-            known(:, 1) = known(:, 2)
-            known(:, 2) = [s, f]
-         end if
-         f_before = f
-         s_before = s
-         before = solution%frequency_ratio
       end do
    end subroutine locate
 
@@ -284,26 +311,21 @@ contains
       !> Real positive multipliers count.
       logical, intent(in) :: above
       real(dp) :: length(size(multipliers))
-      integer :: i
 
       length = abs(multipliers)
       if (.not. above) length = merge(0.0_dp, length, is_real(multipliers) .and. multipliers%re > 0)
-      do i = 1, number - 1
-         length(maxloc(length, 1)) = 0
-      end do
-      if (.not. any(length > 1 + neutral)) then
-         length = merge(length, 0.0_dp, is_real(multipliers) .eqv. kind == doubling)
-         if (kind == doubling) length = merge(length, 0.0_dp, multipliers%re < 0)
-      end if
-      excess = max(none, maxval(length) - 1 - neutral)
+      excess = in_order(length, number) - 1 - neutral
+      if (excess > 0) return
+      length = of_kind(multipliers, kind)
+      excess = max(none, maxval(length, length <= 1 + neutral) - 1 - neutral)
       ! A pair that stays on the circle to rounding tells nothing of how far from here another passes.
-      if (kind == neimark_sacker .and. excess > -10*neutral .and. excess <= 0) excess = none
+      if (kind == neimark_sacker .and. excess > -10*neutral) excess = none
    end function excess
 
    !> Multipliers at the distance s along a piece. Newton's method begins at the cubic through the ends. Where it fails, as may be
    !> next to a resonance without damping, s becomes another distance between a and b; where it fails at all of them, `solution` is
    !> a point of the cubic.
-   subroutine find_multipliers(corrector, monodromy, piece, a, b, s, solution, multipliers, success)
+   subroutine find_multipliers(corrector, monodromy, piece, a, b, verdict, s, solution, multipliers, success)
       type(corrector_type), intent(inout) :: corrector
       !> Monodromy matrix set up for the system; work space.
       type(monodromy_type), intent(inout) :: monodromy
@@ -311,6 +333,8 @@ contains
       type(piece_type), intent(in) :: piece
       !> Distances along the step between which another place is tried [1].
       real(dp), intent(in) :: a, b
+      !> Only sides of the unit circle are wanted: of a train of many states multipliers are found roughly.
+      logical, intent(in) :: verdict
       !> Distance of the place from the beginning of the step [1].
       real(dp), intent(inout) :: s
       !> The point.
@@ -331,7 +355,7 @@ contains
       end do
       if (.not. success) call go_along(piece%here, piece%next, s/piece%length, corrector%units, solution)
       if (.not. success) return
-      call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio)
+      call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio, verdict=verdict)
       call monodromy%multipliers(multipliers)
    end subroutine find_multipliers
 
