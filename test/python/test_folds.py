@@ -76,3 +76,14 @@ def test_a_seed_whose_branch_is_outside_the_range():
     near = {"start": fold.frequency * (1 - 1e-9), "stop": fold.frequency * (1 + 1e-9), "harmonics": 12}
     with pytest.raises(SolverError, match=r"Newton does not converge from the seed at Lambda = 0\.462118"):
         train.response(**near, seed=fold.motion)
+
+
+@pytest.mark.parametrize("ends", [(0.84, 0.83), (0.83, 0.84)])
+def test_a_seed_at_a_bound(ends):
+    """It has a branch on one side alone: no point twice, and no fold where the other way would begin."""
+    train = paper_train()
+    whole = train.response(start=0.9, stop=0.8, harmonics=6)
+    branch = train.response(start=ends[0], stop=ends[1], harmonics=6, seed=whole.at(0.84)[0])
+    assert branch.complete and not branch.special_points
+    assert (abs(np.diff(branch.frequency)) > 0).all()
+    assert "Lambda = 0.84 is the end of the range" in branch.ended

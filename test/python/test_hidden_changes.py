@@ -1,8 +1,11 @@
 """Changes of stability that come in pairs within a step are listed: the default step beside a tenth of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from metamorphic_branches import Plan
+from paper_cases import paper_case
 from random_trains import random_train
 
 #: Special points of a branch that are likely to be far apart.
@@ -57,6 +60,34 @@ def test_a_point_between_the_changes_of_a_pair(seed):
     for point in inside:
         low, high = sorted(branch.frequency[point.point:point.point + 2])
         assert low <= point.frequency <= high
+
+
+def chain(shafts):
+    """Figure 3's gear pairs by turns, the second one turned round, between as many shafts."""
+    figure3 = paper_case("fig03").train
+    down, after = figure3.meshes
+    up = replace(
+        after, driving_radius=after.driven_radius, driven_radius=after.driving_radius,
+        driving_inertia=after.driven_inertia, driven_inertia=after.driving_inertia,
+    )  # fmt: skip
+    first, middle, last = figure3.shafts
+    meshes = [(down, up)[number % 2] for number in range(shafts - 1)]
+    return replace(figure3, shafts=[first, *[middle] * (shafts - 2), last], meshes=meshes)
+
+
+def test_reals_that_pair_outside_the_circle():
+    """Each change has its multipliers on two sides: two real ones outside that become a pair, beside a pair, are no passage."""
+    train = chain(22)
+    branch = train.response(start=0.84, stop=0.7, harmonics=6)
+    points = [point for point in branch.special_points if point.kind in KINDS]
+    assert len(points) > 20
+    for point in points:
+        outside = []
+        for beside in (point.frequency - 1e-6, point.frequency + 1e-6):
+            seed = min(branch.at(beside), key=lambda motion: np.abs(motion.rms - point.rms).sum())
+            near = train.response(start=beside, stop=beside - 1e-9, harmonics=6, multipliers=True, seed=seed, max_points=2)
+            outside.append((np.abs(near.multipliers[0]) > 1 + 1e-9).sum())
+        assert abs(outside[1] - outside[0]) == (1 if point.kind == "period doubling" else 2)
 
 
 @pytest.mark.nightly
