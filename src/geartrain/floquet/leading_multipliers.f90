@@ -16,8 +16,8 @@ module geartrain_floquet_leading_multipliers
    !> space of at most this share of the states.
    integer, parameter :: leading = 16
    real(dp), parameter :: residual_limit = 1e-9_dp, largest_share = 0.7_dp
-   !> Where only a verdict is wanted: residual of a multiplier over its distance from the unit circle, and residual of all, at which
-   !> multipliers count as found.
+   !> Where only a verdict is wanted: residual of the first multiplier over its distance from the unit circle, and residual of the
+   !> others, at which multipliers inside the circle count as found.
    real(dp), parameter :: surely = 0.02_dp, roughly = 1e-3_dp
    !> Vectors that are carried together: a larger block makes a larger space, but finds more copies of a multiplier.
    integer, parameter :: two = 2, four = 4
@@ -155,7 +155,7 @@ contains
             if (.not. independent) return
             if (self%space%dimension < check) cycle
             call self%space%ritz(values, residuals)
-            sure = self%verdict .and. sides_are_sure(values, residuals) .and. maxval(residuals) <= roughly
+            sure = self%verdict .and. residuals(1) <= surely*(1 - abs(values(1))) .and. maxval(residuals) <= roughly
             if (maxval(residuals) <= residual_limit .or. sure) exit
             if (most_copies(pack(values, residuals <= residual_limit)) >= block) return
             check = min(most, next_check(self%space%dimension, maxval(residuals), block))
@@ -170,21 +170,10 @@ contains
          call self%carry(vectors(:, :two), products(:, :two))
          products(:, 1) = products(:, 1) - values(1)%re*vectors(:, 1) + abs(values(1)%im)*vectors(:, 2)
          products(:, 2) = products(:, 2) - values(1)%re*vectors(:, 2) - abs(values(1)%im)*vectors(:, 1)
-         success = norm2(products(:, :two)) < merge(surely*abs(1 - abs(values(1))), largest_defect, sure)
+         success = norm2(products(:, :two)) < merge(surely*(1 - abs(values(1))), largest_defect, sure)
          if (success) exit
       end do
    end subroutine find_with
-
-   !> Whether it is sure which multipliers are outside the unit circle: those, and the first one that is not, tell.
-   pure logical function sides_are_sure(values, residuals) result(sure)
-      !> Largest magnitude first, (leading).
-      complex(dp), intent(in) :: values(:)
-      real(dp), intent(in) :: residuals(:)
-      integer :: known
-
-      known = min(size(values), count(abs(values) >= 1) + 1)
-      sure = all(residuals(:known) <= surely*abs(1 - abs(values(:known))))
-   end function sides_are_sure
 
    !> Begins the space with vectors that have been carried over some periods.
    subroutine begin(self, block, most)

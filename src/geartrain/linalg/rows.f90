@@ -36,7 +36,10 @@ module geartrain_linalg_rows
       real(dp), allocatable :: share(:, :)
       !> Number of independent rows.
       integer :: rank = 0
+      !> Amplitudes that turn each node, few of many: number(node) of them, `amplitude` (place, node); nodes that each amplitude turns.
+      integer, allocatable, private :: number(:), amplitude(:, :), turns(:)
    contains
+      procedure, private :: change
       procedure :: setup
       procedure :: add
       procedure :: follow
@@ -70,11 +73,12 @@ contains
       integer, intent(in) :: nodes, rows
       integer :: i
 
-      if (allocated(self%motion)) deallocate (self%motion, self%free, self%share)
+      if (allocated(self%motion)) deallocate (self%motion, self%free, self%share, self%number, self%amplitude, self%turns)
       allocate (self%motion(nodes, nodes), self%share(rows, nodes), source=0.0_dp)
       allocate (self%free(nodes), source=.true.)
+      allocate (self%number(nodes), self%turns(nodes), self%amplitude(4, nodes), source=0)
       do i = 1, nodes
-         self%motion(i, i) = 1
+         call self%change(i, i, 1.0_dp)
       end do
       self%rank = 0
    end subroutine setup
@@ -87,32 +91,41 @@ contains
       !> The row is independent, and one amplitude less is free.
       logical, intent(out) :: independent
       real(dp) :: value(size(self%free)), height(size(self%free)), share(size(self%share, 1)), factor, term, largest
-      !> Amplitudes that move the row: the only ones in which anything changes, and few of many.
-      integer, allocatable :: moving(:)
-      integer :: f, i, k, nodes, pivot, least
+      !> Amplitudes that move the row.
+      integer :: moving(size(self%free))
+      integer :: f, i, k, n, movers, pivot
 
       value = 0
       height = 0
+      movers = 0
       do i = 1, size(row%node)
-         where (self%free)
-            value = value + row%entry(i)*self%motion(row%node(i), :)
-            height = height + abs(row%entry(i)*self%motion(row%node(i), :))
-         end where
+         do k = 1, self%number(row%node(i))
+            f = self%amplitude(k, row%node(i))
+            term = row%entry(i)*self%motion(row%node(i), f)
+            if (all(moving(:movers) /= f)) then
+               movers = movers + 1
+               moving(movers) = f
+            end if
+            value(f) = value(f) + term
+            height(f) = height(f) + abs(term)
+         end do
       end do
-      where (abs(value) <= rounding*height) value = 0
-      moving = pack([(f, f=1, size(value))], abs(value) > 0)
-      independent = size(moving) > 0
+      associate (found => moving(:movers))
+         n = count(abs(value(found)) > rounding*height(found))
+         moving(:n) = pack(found, abs(value(found)) > rounding*height(found))
+      end associate
+      movers = n
+      independent = movers > 0
       if (.not. independent) return
-      ! The amplitude that moves the fewest nodes: what was written before changes least.
-      largest = maxval(abs(value))
+      ! The amplitude that turns the fewest nodes, of these the last one: what was written before changes least.
+      largest = maxval(abs(value(moving(:movers))))
       pivot = 0
-      least = huge(least)
-      do k = 1, size(moving)
+      do k = 1, movers
          f = moving(k)
          if (abs(value(f)) < least_pivot*largest) cycle
-         nodes = count(abs(self%motion(:, f)) > 0)
-         if (nodes > least) cycle
-         least = nodes
+         if (pivot > 0) then
+            if (self%turns(f) > self%turns(pivot) .or. self%turns(f) == self%turns(pivot) .and. f < pivot) cycle
+         end if
          pivot = f
       end do
       self%rank = self%rank + 1
@@ -125,21 +138,49 @@ contains
             self%share(:, i) = self%share(:, i) - factor*share
             self%share(self%rank, i) = self%share(self%rank, i) + factor
          end if
-         do k = 1, size(moving)
-            associate (entry => self%motion(i, moving(k)))
-               term = factor*value(moving(k))
+         do k = 1, movers
+            f = moving(k)
+            term = factor*value(f)
+            associate (entry => self%motion(i, f))
                ! Terms that cancel leave nothing: their rounding would count as a motion.
-               if (abs(entry - term) > nothing*(abs(entry) + abs(term))) then
-                  entry = entry - term
+               if (f /= pivot .and. abs(entry - term) > nothing*(abs(entry) + abs(term))) then
+                  call self%change(i, f, entry - term)
                else
-                  entry = 0
+                  call self%change(i, f, 0.0_dp)
                end if
             end associate
          end do
-         self%motion(i, pivot) = 0
       end do
       self%free(pivot) = .false.
    end subroutine add
+
+   !> Sets the rotation of a node by an amplitude.
+   pure subroutine change(self, node, amplitude, entry)
+      class(rows_type), intent(inout) :: self
+      integer, intent(in) :: node, amplitude
+      real(dp), intent(in) :: entry
+      integer, allocatable :: longer(:, :)
+      integer :: k
+
+      associate (n => self%number(node), was => abs(self%motion(node, amplitude)) > 0, is => abs(entry) > 0)
+         if (is .and. .not. was) then
+            if (n == size(self%amplitude, 1)) then
+               allocate (longer(2*n, size(self%number)), source=0)
+               longer(:n, :) = self%amplitude
+               call move_alloc(longer, self%amplitude)
+            end if
+            n = n + 1
+            self%amplitude(n, node) = amplitude
+            self%turns(amplitude) = self%turns(amplitude) + 1
+         else if (was .and. .not. is) then
+            k = findloc(self%amplitude(:n, node), amplitude, 1)
+            self%amplitude(k, node) = self%amplitude(n, node)
+            n = n - 1
+            self%turns(amplitude) = self%turns(amplitude) - 1
+         end if
+      end associate
+      self%motion(node, amplitude) = entry
+   end subroutine change
 
    !> Displacement of a dependent row per displacement of each independent row [1], (row).
    pure function follow(self, row) result(share)

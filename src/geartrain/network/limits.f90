@@ -302,7 +302,7 @@ contains
          frequency = sqrt(mesh%stiffness)*hypot(mesh%driving_radius/sqrt(inertia(mesh_ends(1, :))), &
                                                       mesh%driven_radius/sqrt(inertia(mesh_ends(2, :))))
          where (mesh%axis > 0) frequency = sqrt(mesh%stiffness/mesh%mass)
-         do n = 1, size(mesh)
+         do n = 1, merge(size(mesh), 0, any(mesh%axis == 1))
             if (.not. mesh(n)%is_pair()) cycle
             ! Masses on bearings come nearer along the line of action.
             frequency(n) = sqrt(frequency(n)**2 + mesh(n)%stiffness*sum(1/mesh%mass, mesh%axis == 1 .and. &

@@ -147,7 +147,8 @@ contains
       !> Network with its nodes; gets `order`, `coordinates`, `displacements` and `rigid`.
       type(network_type), intent(inout) :: network
       type(network_type), intent(in), optional :: like
-      logical :: chosen(size(given)), left(size(given)), same
+      logical, dimension(size(given)) :: chosen, elastic, left, known
+      logical :: same
       type(rows_type) :: rows
       integer :: n, nodes
 
@@ -166,11 +167,12 @@ contains
          return
       end if
       chosen = .false.
-      left = given%elastic
+      elastic = given%elastic
+      left = elastic
+      known = .not. given%unknown
       do while (any(left))
          n = findloc(left, .true., 1)
-         if (count(given%elastic) >= nodes .and. any(left .and. .not. given%unknown)) &
-            n = maxloc(given%stiffness, 1, left .and. .not. given%unknown)
+         if (count(elastic) >= nodes .and. any(left .and. known)) n = maxloc(given%stiffness, 1, left .and. known)
          left(n) = .false.
          call rows%add(given(n)%row_type, chosen(n))
       end do
@@ -208,13 +210,33 @@ contains
       integer, intent(in) :: nodes
       !> Numbers of the wanted elements.
       integer, allocatable, intent(out) :: order(:)
-      integer :: place(nodes + size(given)), degree(nodes), depth, i, n
+      integer :: place(nodes + size(given)), degree(nodes), depth, i, k, n
       logical :: met(nodes), taken(size(given))
+      !> Elements at each node, at(first(node):first(node + 1) - 1); the first of them that may be left.
+      integer, allocatable :: at(:)
+      integer :: first(nodes + 1), next(nodes)
 
       degree = 0
+      first = 0
       do i = 1, size(given)
          if (given(i)%elastic) degree(given(i)%node) = degree(given(i)%node) + 1
+         do k = 1, size(given(i)%node)
+            first(given(i)%node(k) + 1) = first(given(i)%node(k) + 1) + 1
+         end do
       end do
+      first(1) = 1
+      do k = 1, nodes
+         first(k + 1) = first(k) + first(k + 1)
+      end do
+      allocate (at(first(nodes + 1) - 1))
+      next = first(:nodes)
+      do i = 1, size(given)
+         do k = 1, size(given(i)%node)
+            at(next(given(i)%node(k))) = i
+            next(given(i)%node(k)) = next(given(i)%node(k)) + 1
+         end do
+      end do
+      next = first(:nodes)
       allocate (order(count(wanted)))
       met = .false.
       taken = .not. wanted
@@ -228,15 +250,17 @@ contains
             depth = 1
             met(place(1)) = .true.
          end if
-         do i = 1, size(given)
-            if (taken(i)) cycle
-            if (all(given(i)%node /= place(depth))) cycle
-            exit
-         end do
-         if (i > size(given)) then
-            depth = depth - 1
-            cycle
-         end if
+         associate (k => next(place(depth)), end => first(place(depth) + 1))
+            do while (k < end)
+               if (.not. taken(at(k))) exit
+               k = k + 1
+            end do
+            if (k == end) then
+               depth = depth - 1
+               cycle
+            end if
+            i = at(k)
+         end associate
          taken(i) = .true.
          n = n + 1
          order(n) = i

@@ -7,6 +7,11 @@ module geartrain_train_bodies
    private
    public :: bodies_of, body_count, find_carriers, find_ends
 
+   !> Bodies by what their names make of a place in a table: the last body of each place, and the body before each body.
+   type :: name_table_type
+      integer, allocatable :: last(:), before(:)
+   end type name_table_type
+
 contains
 
    !> Number of bodies.
@@ -57,7 +62,7 @@ contains
       type(train_type), intent(in) :: train
       !> Bodies at the two ends of each shaft, (2, shaft), and of each mesh, (2, mesh); 0: no body has the name.
       integer, allocatable, intent(out) :: shafts(:, :), meshes(:, :)
-      integer, allocatable :: keys(:)
+      type(name_table_type) :: table
       integer :: i, j
 
       allocate (shafts(2, size(train%shafts)), meshes(2, size(train%meshes)))
@@ -66,13 +71,13 @@ contains
          meshes = shafts(:, :size(train%meshes)) + 1
          return
       end if
-      call find_keys(train, keys)
+      call tabulate_names(train, table)
       do i = 1, 2
          do j = 1, size(shafts, 2)
-            shafts(i, j) = body_named(train, keys, train%shafts(j)%between(i))
+            shafts(i, j) = body_named(train, table, train%shafts(j)%between(i))
          end do
          do j = 1, size(meshes, 2)
-            meshes(i, j) = body_named(train, keys, train%meshes(j)%between(i))
+            meshes(i, j) = body_named(train, table, train%meshes(j)%between(i))
          end do
       end do
    end subroutine find_ends
@@ -82,57 +87,59 @@ contains
       type(train_type), intent(in) :: train
       !> The carrier of each mesh; 0: none, -1: no body has the name, (mesh).
       integer, intent(out) :: carrier(:)
-      integer, allocatable :: keys(:)
+      type(name_table_type) :: table
       integer :: j
 
       carrier = 0
       if (.not. any(train%meshes%carrier /= '')) return
       carrier = -1
       if (.not. allocated(train%bodies)) return
-      call find_keys(train, keys)
+      call tabulate_names(train, table)
       do j = 1, size(carrier)
          carrier(j) = 0
          if (train%meshes(j)%carrier == '') cycle
-         carrier(j) = body_named(train, keys, train%meshes(j)%carrier)
+         carrier(j) = body_named(train, table, train%meshes(j)%carrier)
          if (carrier(j) == 0) carrier(j) = -1
       end do
    end subroutine find_carriers
 
-   pure subroutine find_keys(train, keys)
+   pure subroutine tabulate_names(train, table)
       type(train_type), intent(in) :: train
-      !> Key of the name of each body, (body).
-      integer, allocatable, intent(out) :: keys(:)
-      integer :: j
+      type(name_table_type), intent(out) :: table
+      integer :: j, k
 
-      allocate (keys(size(train%bodies)), source=0)
-      do j = 1, size(keys)
-         if (allocated(train%bodies(j)%name)) keys(j) = key(train%bodies(j)%name)
+      allocate (table%last(0:2*size(train%bodies)), table%before(size(train%bodies)), source=0)
+      do j = 1, size(train%bodies)
+         if (.not. allocated(train%bodies(j)%name)) cycle
+         k = place(train%bodies(j)%name, size(table%last))
+         table%before(j) = table%last(k)
+         table%last(k) = j
       end do
-   end subroutine find_keys
+   end subroutine tabulate_names
 
-   !> A positive number made from a name. Different numbers tell different names, in a hundredth of the time of a comparison of the
-   !> names.
-   pure integer function key(name)
+   !> Place of a name in a table of so many.
+   pure integer function place(name, places)
       character(*), intent(in) :: name
+      integer, intent(in) :: places
       integer :: k
 
-      key = 1
+      place = 1
       do k = 1, len_trim(name)
-         key = 1 + mod(31*key + ichar(name(k:k)), 10000019)
+         place = 1 + mod(31*place + ichar(name(k:k)), 10000019)
       end do
-   end function key
+      place = mod(place, places)
+   end function place
 
-   !> Number of the body of a name, 0: none has it.
-   pure integer function body_named(train, keys, name)
+   !> Number of the last body of a name, 0: none has it.
+   pure integer function body_named(train, table, name)
       type(train_type), intent(in) :: train
-      integer, intent(in) :: keys(:)
+      type(name_table_type), intent(in) :: table
       character(*), intent(in) :: name
-      integer :: wanted
 
-      wanted = key(name)
-      do body_named = size(keys), 1, -1
-         if (keys(body_named) /= wanted) cycle
+      body_named = table%last(place(name, size(table%last)))
+      do while (body_named > 0)
          if (train%bodies(body_named)%name == name) return
+         body_named = table%before(body_named)
       end do
    end function body_named
 
