@@ -49,6 +49,16 @@ subroutine close_box(handle)
    deallocate (box)
 end subroutine close_box
 
+! Lets OpenBLAS use so many threads; how many there were, 0 without OpenBLAS.
+subroutine blas_threads(number, before)
+   use geartrain, only: set_threads => blas_threads
+   implicit none
+   integer, intent(in) :: number
+   integer, intent(out) :: before
+
+   before = set_threads(number)
+end subroutine blas_threads
+
 ! Reads the case of the box, and its results: `kind` tells what `text` is: 'text' of a case, the path of a 'case' file, or of
 ! 'results'.
 subroutine read_input(handle, kind, text, status)
