@@ -1,11 +1,9 @@
 """Changes of stability that come in pairs within a step are listed: the default step beside a tenth of it."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from conftest import long_chain
 from metamorphic_branches import Plan
-from paper_cases import paper_case
 from random_trains import random_train
 
 #: Special points of a branch that are likely to be far apart.
@@ -62,22 +60,9 @@ def test_a_point_between_the_changes_of_a_pair(seed):
         assert low <= point.frequency <= high
 
 
-def chain(shafts):
-    """Figure 3's gear pairs by turns, the second one turned round, between as many shafts."""
-    figure3 = paper_case("fig03").train
-    down, after = figure3.meshes
-    up = replace(
-        after, driving_radius=after.driven_radius, driven_radius=after.driving_radius,
-        driving_inertia=after.driven_inertia, driven_inertia=after.driving_inertia,
-    )  # fmt: skip
-    first, middle, last = figure3.shafts
-    meshes = [(down, up)[number % 2] for number in range(shafts - 1)]
-    return replace(figure3, shafts=[first, *[middle] * (shafts - 2), last], meshes=meshes)
-
-
 def test_reals_that_pair_outside_the_circle():
     """Each change has its multipliers on two sides: two real ones outside that become a pair, beside a pair, are no passage."""
-    train = chain(22)
+    train = long_chain(22)
     branch = train.response(start=0.84, stop=0.7, harmonics=6)
     points = [point for point in branch.special_points if point.kind in KINDS]
     assert len(points) > 20

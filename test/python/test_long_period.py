@@ -263,8 +263,8 @@ def paper_case(folder, analyses):
     pytest.param("&attractors frequency = 0.6, starts = 100000 /\n",
                  r"attractors: about \d+ (s|min|h) expected: 100000 points of .*", marks=pytest.mark.nightly),
     ("&run_up from = 0.2, to = 2.6, duration = 300.0, samples = 1 /\n", r"run up: about \d+ (s|min|h) expected"),
-    ("&stability_map from = 0.4, to = 1.6, points = 200, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 2000 /\n",
-     r"stability map: about \d+ (s|min|h) expected: 2000 rows of .*"),
+    ("&stability_map from = 0.4, to = 1.6, points = 1000, parameter_from = 0.01, parameter_to = 0.1, parameter_points = 10000 /\n",
+     r"stability map: about \d+ (s|min|h) expected: 10000 rows of .*"),
 ])
 def test_a_long_run_says_how_long_it_takes(executable, tmp_path, analyses, words):
     told, _ = first_lines(executable, paper_case(tmp_path, analyses), 15.0, words)

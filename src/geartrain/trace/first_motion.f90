@@ -3,7 +3,7 @@ module geartrain_trace_first_motion
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_repetition, only: repeat_motion
    use geartrain_base_error, only: error_type
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
    use geartrain_base_words, only: words_type
    use geartrain_drawing_drawing, only: plain_train
@@ -12,6 +12,7 @@ module geartrain_trace_first_motion
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
    use geartrain_network_divide_orders, only: divide_orders
+   use geartrain_network_lowest_modes, only: lowest_modes_type
    use geartrain_network_parameter, only: largest_variation, variation
    use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_system, only: system_type
@@ -71,7 +72,7 @@ contains
       real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
       real(dp) :: elsewhere(size(times) + size(share))
       integer :: i, round
-      logical :: flies
+      logical :: flies, settles
 
       if (allocated(tracer%corrector%balance%path)) then
          call find_start_at(tracer, frequency_ratio, solution, success, enough, stopped, observer)
@@ -83,20 +84,9 @@ contains
       call tracer%corrector%solve_at(solution, success)
       if (success) return
       flies = .not. tracer%corrector%balance%has_long_period()
-      if (flies) then
-         associate (times => tracer%settings%repeats)
-            divided = tracer%system
-            call divide_orders(times, divided)
-            state = resting_state(divided)
-            integration%harmonics = exact_harmonics(tracer)
-            call settle(divided, times*frequency_ratio, integration, state, motion, observer, stopped)
-            if (stopped) return
-            if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
-               call repeat_waveform(times, motion)
-               call solve_near(tracer, motion, solution, success, enough)
-            end if
-         end associate
-      end if
+      settles = .false.
+      if (flies) settles = decay_of_train(tracer%system)*integration%max_periods*2*pi/frequency_ratio > 1
+      if (settles) call solve_where_flow_settles()
       elsewhere = [times*frequency_ratio, frequency_ratio + share*(other - frequency_ratio)]
       do round = 1, 2
          do i = 1, size(elsewhere)
@@ -109,6 +99,8 @@ contains
             call tracer%corrector%solve_at(solution, success)
          end do
          if (success .or. round == 2) exit
+         if (flies .and. .not. settles) call solve_where_flow_settles()
+         if (success .or. stopped) return
          ! Where an exact motion needs more harmonics than asked for, their number is worth more than another motion.
          if (enough == 0) call follow_variation(train, tracer%settings, frequency_ratio, motion, success)
          if (success) then
@@ -120,7 +112,54 @@ contains
             call solve_near_flow(tracer, frequency_ratio, min(sections_here, 10*sections_here/tracer%system%states), solution, &
                                  success, enough, stopped, observer)
       end do
+
+   contains
+
+      subroutine solve_where_flow_settles()
+         type(motion_type) :: motion
+
+         associate (times => tracer%settings%repeats)
+            divided = tracer%system
+            call divide_orders(times, divided)
+            state = resting_state(divided)
+            integration%harmonics = exact_harmonics(tracer)
+            call settle(divided, times*frequency_ratio, integration, state, motion, observer, stopped)
+            if (stopped) return
+            if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
+               call repeat_waveform(times, motion)
+               call solve_near(tracer, motion, solution, success, enough)
+            end if
+         end associate
+      end subroutine solve_where_flow_settles
    end subroutine find_start
+
+   !> Slowest decay of the lowest modes of a large train, all meshes on the flank of their mean load [1]; huge: the train is small, or
+   !> they are not known.
+   real(dp) function decay_of_train(system) result(decay)
+      type(system_type), intent(in) :: system
+      integer, parameter :: number = 4
+      type(lowest_modes_type) :: modes
+      real(dp) :: stiffness(system%elements), damping(system%elements)
+      integer :: i, j
+      logical :: success
+
+      decay = huge(decay)
+      stiffness = system%spring
+      damping = system%damping
+      do j = 1, system%meshes
+         associate (n => system%mesh_element(j), law => system%law(j))
+            stiffness(n) = law%stiffness(1)
+            damping(n) = law%damping(1)
+         end associate
+      end do
+      if (system%displacements < system%coordinates .or. .not. all(stiffness > 0)) return
+      call modes%begin(system, stiffness)
+      call modes%find(system, number, success)
+      if (.not. success) return
+      associate (weight => system%stiffness/system%characteristic_frequency**2*damping)
+         decay = minval([(sum(weight*modes%shape(:, i)**2)/2, i=1, number)])
+      end associate
+   end function decay_of_train
 
    !> Finds a motion at a value of the parameter of a path: a motion of the train with this value, at the Lambda of the path.
    recursive subroutine find_start_at(tracer, value, solution, success, enough, stopped, observer)
@@ -330,6 +369,7 @@ contains
 
       ! The number of harmonics stays constant along the way.
       tracer%settings%harmonics = tracer%corrector%balance%highest
+      tracer%shows = .false.
       call tracer%corrector%orient(solution, merge(1, -1, to > from))
       call tracer%recorder%setup(tracer%corrector%balance, .false., way)
       call tracer%record(solution, way)

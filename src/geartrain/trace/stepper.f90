@@ -21,6 +21,8 @@ module geartrain_trace_stepper
 
    type, extends(adaptive_corrector_type) :: stepper_type
       type(recorder_type) :: recorder
+      !> The branch is shown: its points must have what is read off it. Else it only leads to its end.
+      logical :: shows = .true.
       !> Number of the segment of the branch that is traced.
       integer :: segment = 1
       !> Points that miss the tolerance, where harmonics = 0.
@@ -106,8 +108,9 @@ contains
       !> `next` became a point within the step.
       logical, intent(out) :: cut
 
+      cut = .false.
       call self%read(next)
-      call cut_at_extreme(self%corrector, self%recorder%transform, here, at_here, next, self%quantities, cut)
+      if (self%shows) call cut_at_extreme(self%corrector, self%recorder%transform, here, at_here, next, self%quantities, cut)
       self%read_at = self%corrector%evaluations
    end subroutine cut_step
 
