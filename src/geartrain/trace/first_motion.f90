@@ -40,7 +40,7 @@ contains
 
    !> Finds a motion at one end of the range: at a given Lambda or, on a path in a parameter, at a value of it. Tried in this order:
    !> - Newton's method from rest under the mean load;
-   !> - the motion that time integration from rest settles on;
+   !> - the motion that time integration from rest settles on; after the next where free vibrations of the train outlast it;
    !> - the branch of a solution from rest at another Lambda, outside the range that ends at `other` or within;
    !> - the branch over the stiffness variation, from a train whose stiffness hardly varies;
    !> - an orbit, stable or not, near the flow from rest;
@@ -85,7 +85,7 @@ contains
       if (success) return
       flies = .not. tracer%corrector%balance%has_long_period()
       settles = .false.
-      if (flies) settles = decay_of_train(tracer%system)*integration%max_periods*2*pi/frequency_ratio > 1
+      if (flies) settles = decay_of_train(tracer%system) > frequency_ratio/(2*pi*integration%max_periods)
       if (settles) call solve_where_flow_settles()
       elsewhere = [times*frequency_ratio, frequency_ratio + share*(other - frequency_ratio)]
       do round = 1, 2
