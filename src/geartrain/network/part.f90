@@ -95,8 +95,23 @@ contains
       complex(dp), intent(out) :: alpha(:, :)
       !> Derivative of `alpha` with respect to omega [m s/(N rad)], (port, port).
       complex(dp), intent(out), optional :: d_alpha(:, :)
-      complex(dp) :: spring(self%graph%slots), ground(size(self%mass)), inverse(size(self%mass)), &
-                     x(size(self%at), size(self%mass)), difference(size(self%at))
+      !> Room for all that follows: each array of its own would take its memory from the heap.
+      complex(dp) :: room(self%graph%slots + 2*size(self%mass) + size(self%at)*(size(self%mass) + 1))
+
+      associate (slots => self%graph%slots, masses => size(self%mass), ports => size(self%at))
+         call receptance_in(self, omega, slots, masses, ports, room, room(slots + 1), room(slots + masses + 1), &
+                            room(slots + 2*masses + 1), room(slots + 2*masses + ports*masses + 1), alpha, d_alpha)
+      end associate
+   end subroutine receptance
+
+   !> `receptance` with its work space.
+   pure subroutine receptance_in(self, omega, slots, masses, ports, spring, ground, inverse, x, difference, alpha, d_alpha)
+      type(part_type), intent(in) :: self
+      real(dp), intent(in) :: omega
+      integer, intent(in) :: slots, masses, ports
+      complex(dp), intent(inout) :: spring(slots), ground(masses), inverse(masses), x(ports, masses), difference(ports)
+      complex(dp), intent(out) :: alpha(:, :)
+      complex(dp), intent(out), optional :: d_alpha(:, :)
       integer :: j, k, s
 
       call eliminate(self, omega, spring, ground, inverse)
@@ -136,7 +151,7 @@ contains
             end associate
          end do
       end associate
-   end subroutine receptance
+   end subroutine receptance_in
 
    !> a := a - factor y y^T.
    pure subroutine subtract(factor, y, a)

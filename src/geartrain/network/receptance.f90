@@ -93,19 +93,20 @@ contains
       real(dp), intent(in) :: omega, d_omega
       logical, intent(in) :: wanted
       type(receptance_type), intent(inout) :: r
-      complex(dp), dimension(size(part%at), size(part%at)) :: alpha, d_alpha
+      !> The receptance and its derivative.
+      complex(dp) :: alpha(size(part%at), size(part%at), 2)
       integer :: i, j
 
       if (wanted) then
-         call part%receptance(omega, alpha, d_alpha)
+         call part%receptance(omega, alpha(:, :, 1), alpha(:, :, 2))
       else
-         call part%receptance(omega, alpha)
+         call part%receptance(omega, alpha(:, :, 1))
       end if
       do j = 1, size(part%at)
          do i = 1, size(part%at)
             associate (entry => part%entry(i, j))
-               r%h(entry) = r%h(entry) + part%gain(i, j)*alpha(i, j)
-               if (wanted) r%dh(entry) = r%dh(entry) + (part%gain(i, j)*d_omega)*d_alpha(i, j)
+               r%h(entry) = r%h(entry) + part%gain(i, j)*alpha(i, j, 1)
+               if (wanted) r%dh(entry) = r%dh(entry) + (part%gain(i, j)*d_omega)*alpha(i, j, 2)
             end associate
          end do
       end do
