@@ -82,7 +82,7 @@ contains
       real(dp), intent(in) :: column(:, :), row(:, :), corner
       !> 0: regular; else singular or interrupted.
       integer, intent(out) :: info
-      integer :: entry, from, j, k, l, n
+      integer :: entry, from, j, k, l, m, n
 
       call self%matrix%resize(whole%block, self%graph)
       self%matrix%interrupt = whole%interrupt
@@ -94,9 +94,10 @@ contains
       associate (graph => whole%graph)
          do j = 1, graph%nodes
             self%matrix%row(:, self%node(j)) = self%matrix%row(:, self%node(j)) + row(:, j)
-            do k = 1, size(self%unknown)
+            ! What the column is coupled with, the diagonal included.
+            do m = self%graph%row(self%node(j)), self%graph%row(self%node(j) + 1) - 1
+               k = self%graph%column(m)
                entry = self%graph%entry_of(k, self%node(j))
-               if (entry == 0) cycle
                from = graph%entry_of(self%unknown(k), j)
                if (from > 0) self%matrix%entry(2:, :, entry) = self%matrix%entry(2:, :, entry) + whole%entry(2:, :, from)
                ! The rows that are coupled with the column.

@@ -191,15 +191,16 @@ contains
       logical, intent(out) :: cut
       type(solution_point_type) :: first, last, point
       type(quantities_type) :: at_first, at_last, at_point
-      real(dp) :: share, least, steepest, enough, a, b, fa, fb
+      real(dp) :: length, share, least, steepest, enough, a, b, fa, fb
       integer :: j, mesh, i, kept
       logical :: turns
 
       cut = .false.
       least = 1 - off_ends
       mesh = 0
+      length = arc_length(here, next, corrector%units)
       do j = 1, size(at_here%rms)
-         share = peak_share(at_here, at_next, j, arc_length(here, next, corrector%units))
+         share = peak_share(at_here, at_next, j, length)
          if (share < off_ends .or. share >= least) cycle
          least = share
          mesh = j
