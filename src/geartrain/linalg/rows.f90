@@ -36,7 +36,7 @@ module geartrain_linalg_rows
       real(dp), allocatable :: share(:, :)
       !> Number of independent rows.
       integer :: rank = 0
-      !> Amplitudes that turn each node, few of many: number(node) of them, `amplitude` (place, node); nodes that each amplitude turns.
+      !> Amplitudes that turn each node, few of many: number(node) of them, (place, node); number of nodes that each one turns.
       integer, allocatable, private :: number(:), amplitude(:, :), turns(:)
    contains
       procedure, private :: change

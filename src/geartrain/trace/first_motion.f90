@@ -133,8 +133,8 @@ contains
       end subroutine solve_where_flow_settles
    end subroutine find_start
 
-   !> Slowest decay of the lowest modes of a large train, all meshes on the flank of their mean load [1]; huge: the train is small, or
-   !> they are not known.
+   !> Slowest decay of the lowest modes of a large train, all meshes on the drive flank [1]; huge: the train is small, or they are
+   !> not known.
    real(dp) function decay_of_train(system) result(decay)
       type(system_type), intent(in) :: system
       integer, parameter :: number = 4

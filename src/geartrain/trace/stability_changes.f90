@@ -302,8 +302,9 @@ contains
       number = min(number, size(multipliers))
    end function number_outside
 
-   !> Distance from the circle of the multiplier that is farthest but number - 1; negative where it is inside, of the farthest there of
-   !> the kind. Outside, magnitudes of any kind: where two real multipliers become a pair they are continuous, and nothing passes.
+   !> Distance from the circle of the multiplier that is farthest but number - 1; negative where it is inside, of the farthest
+   !> there of the kind. Outside, magnitudes of any kind: where two real multipliers become a pair they are continuous, and nothing
+   !> passes.
    pure real(dp) function excess(multipliers, kind, number, above)
       !> Multipliers, largest magnitude first.
       complex(dp), intent(in) :: multipliers(:)
