@@ -1,20 +1,21 @@
 !> All branches that leave a branch: the period-doubling cascade, generation by generation, and the branches that cross at branch
 !> points.
 module geartrain_bifurcation_bifurcations
+   use geartrain_balance_motion, only: motion_type
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_words, only: lambda, operator(//), words_type
-   use geartrain_bifurcation_critical_point, only: find_critical, find_meeting, patterns_of
+   use geartrain_bifurcation_critical_point, only: find_critical, find_meeting, harmonics_at, patterns_of
    use geartrain_bifurcation_switching, only: trace_switched
    use geartrain_network_check_train, only: check_train
    use geartrain_network_system, only: system_type
-   use geartrain_trace_branch, only: branch_type, response_settings_type
+   use geartrain_trace_branch, only: branch_type, coefficients_of, response_settings_type
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_response_variables, only: settings_for
    use geartrain_trace_same_solution, only: put_in_order, same_solution
-   use geartrain_trace_start, only: begin_trace, doubled_settings
+   use geartrain_trace_start, only: begin_trace, doubled_settings, solution_of
    use geartrain_trace_tracer, only: tracer_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -142,13 +143,15 @@ contains
          integer :: n, some(2)
 
          associate (special => parent%special_points(i))
-            if (found) then
+            if (.not. (found .or. doubles)) call take_point(train, settings, parent, i, solution)
+            if (found .or. .not. doubles) then
                here = meeting_type(solution, period(doubles), .not. doubles, number, merge(pattern, 0, equal > 0), i)
                call put_in_order(tracer%corrector%sets, here%solution)
                met = is_known(train, settings, parent, i, here, meetings, tracer)
                ! At a branch point all patterns are followed from here: another branch that comes to it has none left.
                here%pattern = 0
-               if (pattern == 1 .and. (.not. met .or. here%crossing) .or. doubles .and. .not. met) meetings = [meetings, here]
+               if (found .and. (pattern == 1 .and. (.not. met .or. here%crossing) .or. doubles .and. .not. met)) &
+                  meetings = [meetings, here]
                if (met) return
             end if
             words = ''
@@ -205,11 +208,38 @@ contains
       do i = 1, size(branch%special_points)
          if (branch%special_points(i)%kind /= 'branch point') cycle
          call find_critical(train, settings, branch, i, solution, found)
+         if (.not. found) call take_point(train, settings, branch, i, solution)
          here = meeting_type(solution, period, .true., number, pattern)
-         if (found) call put_in_order(tracer%corrector%sets, here%solution)
-         if (found) meetings = [meetings, here]
+         call put_in_order(tracer%corrector%sets, here%solution)
+         meetings = [meetings, here]
       end do
    end subroutine note_crossings
+
+   !> The point of a branch next to a special point, where the search for it fails, as where the branch turns in its midst.
+   subroutine take_point(train, settings, branch, special, solution)
+      type(train_type), intent(in) :: train
+      type(response_settings_type), intent(in) :: settings
+      type(branch_type), intent(in) :: branch
+      integer, intent(in) :: special
+      !> The point; no critical vector is known: its tangent is 0.
+      type(solution_point_type), intent(out) :: solution
+      type(system_type), target :: systems(2)
+      type(tracer_type) :: tracer
+      type(motion_type) :: motion
+      integer :: n
+
+      associate (at => branch%special_points(special))
+         n = at%point
+         if (n < branch%points) n = n + minloc(abs(branch%frequency_ratio(n:n + 1) - at%frequency_ratio), 1) - 1
+      end associate
+      call begin_trace(train, settings, systems, tracer, branch)
+      if (settings%harmonics == 0) call tracer%prepare(harmonics_at(branch, special))
+      motion%frequency_ratio = branch%frequency_ratio(n)
+      motion%period = branch%subharmonic
+      motion%coefficients = coefficients_of(branch, n)
+      solution = solution_of(tracer, motion)
+      solution%tangent = 0*solution%u
+   end subroutine take_point
 
    !> Whether the branch that leaves `parent` at its special point number `special` is known: whether `here` is among `meetings`.
    !> Where the program chooses the number of harmonics, a bifurcation point moves with the number: `here` is then found again
