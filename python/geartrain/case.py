@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._core.box import Box, Group, file_name, fortran
+from ._core.box import Box, Group, file_name, fortran, one_blas_thread
 from ._core.namelist import parse
 from ._core.table import Found
 from ._core.units import in_own_unit, units_of
@@ -213,7 +213,8 @@ class Case:
 
         def work(progress: NDArray[np.float64]) -> Results:
             with Box(self.text) as box:
-                status = fortran.run_all(box.handle, b"", checkpoint, progress)
+                with one_blas_thread:
+                    status = fortran.run_all(box.handle, b"", checkpoint, progress)
                 results = self._results(box, box.text("message"))
                 box.check(status, whole=False)
                 return results

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -18,11 +19,39 @@ import geartrain._geartrain as fortran
 from ..errors import InputError, SolverError, shown
 from .namelist import in_words_of_the_call
 
-__all__ = ["Box", "Group", "Words", "described", "file_name", "fortran"]
+__all__ = ["Box", "Group", "Words", "described", "file_name", "fortran", "one_blas_thread"]
 
 Array = NDArray[Any]
 
 _INPUT, _ENDED_EARLY, _FILE, _MEMORY = 2, 3, 4, 5
+
+
+class _OneBlasThread:
+    """While any work is under way OpenBLAS uses one thread; numpy may share it, and gets its threads back.
+
+    Its threads wait for each other longer than they compute on matrices of a hundred rows, many times longer beside other work.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._under_way = 0
+        self._before = 0
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if self._under_way == 0:
+                self._before = fortran.blas_threads(1)
+            self._under_way += 1
+
+    def __exit__(self, *of_an_error: object) -> None:
+        with self._lock:
+            self._under_way -= 1
+            if self._under_way == 0 and self._before > 1:
+                fortran.blas_threads(self._before)
+
+
+#: For every call that computes.
+one_blas_thread = _OneBlasThread()
 
 
 class Words(str):
@@ -280,18 +309,22 @@ class Box:
 
     def run(self, name: str, progress: Array) -> int:
         """Run an analysis that the case asks for; the status."""
-        status: int = fortran.run_analysis(self.handle, name, progress)
+        with one_blas_thread:
+            status: int = fortran.run_analysis(self.handle, name, progress)
         return status
 
     def work(self, what: str, progress: Array, *values: float) -> int:
         """Work on the box's branch or motion, see ``work`` in box.f90; the status."""
-        status: int = fortran.do_work(self.handle, what, np.array(values or (0,), float), progress)
+        with one_blas_thread:
+            status: int = fortran.do_work(self.handle, what, np.array(values or (0,), float), progress)
         return status
 
     def gradient(self, what: str, names: str, progress: Array, number: int, frequency: float, coefficients: Array) -> None:
         """Differentiate with respect to parameters, see ``differentiate`` in box.f90."""
         place = (self.handle, what, names.encode(), number, frequency)
-        self.check(fortran.find_gradient(*place, np.asfortranarray(coefficients.T, float), progress))
+        with one_blas_thread:
+            status = fortran.find_gradient(*place, np.asfortranarray(coefficients.T, float), progress)
+        self.check(status)
 
 
 @cache

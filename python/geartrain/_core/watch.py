@@ -13,8 +13,6 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-import geartrain._geartrain as fortran
-
 from ..errors import Interrupted
 from .extras import missing
 from .warn import warn
@@ -25,33 +23,6 @@ Result = TypeVar("Result")
 
 _PATIENCE = 1.0  # s of silence before the bar appears
 _TICK = 0.05  # s between looks at the progress
-
-
-class _OneBlasThread:
-    """While any work is under way OpenBLAS uses one thread; numpy may share it, and gets its threads back.
-
-    Its threads wait for each other longer than they compute on matrices of a hundred rows, many times longer beside other work.
-    """
-
-    def __init__(self) -> None:
-        self._lock = threading.Lock()
-        self._under_way = 0
-        self._before = 0
-
-    def __enter__(self) -> None:
-        with self._lock:
-            if self._under_way == 0:
-                self._before = fortran.blas_threads(1)
-            self._under_way += 1
-
-    def __exit__(self, *of_an_error: object) -> None:
-        with self._lock:
-            self._under_way -= 1
-            if self._under_way == 0 and self._before > 1:
-                fortran.blas_threads(self._before)
-
-
-_one_blas_thread = _OneBlasThread()
 
 
 def watched(
@@ -92,8 +63,7 @@ def watched(
     def run() -> None:
         nonlocal result, failure
         try:
-            with _one_blas_thread:
-                result = work(progress)
+            result = work(progress)
         except BaseException as error:  # noqa: BLE001 (the waiting thread raises it again)
             failure = error
         finally:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._core.box import Box, fortran
+from .._core.box import Box, fortran, one_blas_thread
 from .._core.description import Description, bearings_of
 from .._core.gradient import gradient_of
 from .._core.units import hertz_of, speed_of
@@ -301,9 +301,10 @@ class Motion(Pictures, Recording):
             shafts = len(self.train.shafts) if self.train else 0
             held = sum(bool(body.held) for body in self.train.bodies or ()) if self.train else 0
             couplings = len(self.train.couplings) if self.train else 0
-            time, displacement, velocity, force, torque = fortran.sample_waveform(
-                box.handle, periods, samples, len(self.rms), shafts + held + couplings, watch
-            )
+            with one_blas_thread:
+                time, displacement, velocity, force, torque = fortran.sample_waveform(
+                    box.handle, periods, samples, len(self.rms), shafts + held + couplings, watch
+                )
             shaft, reaction, coupling = np.split(torque, [shafts, shafts + held], axis=1)
             return time, displacement, force, shaft, velocity, reaction, coupling
 

@@ -110,10 +110,13 @@ contains
             height(f) = height(f) + abs(term)
          end do
       end do
-      associate (found => moving(:movers))
-         n = count(abs(value(found)) > rounding*height(found))
-         moving(:n) = pack(found, abs(value(found)) > rounding*height(found))
-      end associate
+      n = 0
+      do k = 1, movers
+         f = moving(k)
+         if (.not. abs(value(f)) > rounding*height(f)) cycle
+         n = n + 1
+         moving(n) = f
+      end do
       movers = n
       independent = movers > 0
       if (.not. independent) return

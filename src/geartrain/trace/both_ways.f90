@@ -2,18 +2,22 @@
 module geartrain_trace_both_ways
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
-   use geartrain_base_words, only: operator(//), words_type
+   use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_interruption, only: drop_step
    use geartrain_trace_large_amplitude, only: followed_out, trace_through
    use geartrain_trace_points, only: put_in_front
    use geartrain_trace_special_points, only: add_special_point
+   use geartrain_trace_step_geometry, only: sense_of
    use geartrain_trace_step_length, only: carries_same
-   use geartrain_trace_tracer, only: cancelled, closed_loop, tracer_type
+   use geartrain_trace_tracer, only: came_back, cancelled, closed_loop, reached_end, tracer_type
    implicit none (type, external)
    private
    public :: trace_both_ways
+
+   !> Distance of a seed from a bound at which it is at the bound, over the bound: rounding of a change of units.
+   real(dp), parameter :: at_bound = 1e-12_dp
 
 contains
 
@@ -42,7 +46,7 @@ contains
 
       began = forward
       first = forward
-      call trace_through(tracer, forward, tracer%settings%stop, branch, outcome, branch%ended, observer, began)
+      call trace_way(tracer, forward, branch, outcome, branch%ended, observer, began)
       call drop_step(tracer, branch)
       if (branch%cancelled) return
       branch%closed = outcome == closed_loop
@@ -65,14 +69,37 @@ contains
          call add_special_point(branch, 'branch point', between, branch%points, branch%rms(:, 1), multiplicity, gap/2)
          call tracer%record(backward, branch)
          branch%arclength(branch%points) = gap
-         call trace_through(tracer, backward, tracer%settings%stop, branch, outcome, reason, observer, began)
+         call trace_way(tracer, backward, branch, outcome, reason, observer, began)
       else
-         call trace_through(tracer, backward, tracer%settings%stop, branch, outcome, reason, observer, began, point=1)
+         call trace_way(tracer, backward, branch, outcome, reason, observer, began, point=1)
       end if
       call drop_step(tracer, branch)
       call put_in_front(branch, first_points)
       branch%complete = followed_out(first_outcome) .and. followed_out(outcome)
       branch%ended = 'forwards from '//where_from//': '//branch%ended//'; backwards: '//reason
    end subroutine trace_both_ways
+
+   !> Traces one way; of the two ways of a seed at a bound of the range one leads out of it, and ends where it begins.
+   subroutine trace_way(tracer, solution, branch, outcome, reason, observer, began, point)
+      type(tracer_type), intent(inout) :: tracer
+      !> As of `trace_through`.
+      type(solution_point_type), intent(inout) :: solution, began
+      type(branch_type), intent(inout), target :: branch
+      integer, intent(out) :: outcome
+      type(words_type), allocatable, intent(out) :: reason
+      class(observer_type), intent(inout), optional :: observer
+      integer, intent(in), optional :: point
+      real(dp) :: bound
+
+      bound = min(tracer%settings%start, tracer%settings%stop)
+      if (sense_of(solution, tracer%corrector%units) > 0) bound = max(tracer%settings%start, tracer%settings%stop)
+      if (abs(solution%frequency_ratio - bound) > at_bound*abs(bound)) then
+         call trace_through(tracer, solution, tracer%settings%stop, branch, outcome, reason, observer, began, point)
+         return
+      end if
+      outcome = merge(reached_end, came_back, abs(bound - tracer%settings%stop) <= 0)
+      reason = lambda(bound)//' is the end of the range'
+      tracer%kept = [branch%points, size(branch%special_points)]
+   end subroutine trace_way
 
 end module geartrain_trace_both_ways

@@ -85,7 +85,8 @@ contains
       if (success) return
       flies = .not. tracer%corrector%balance%has_long_period()
       settles = .false.
-      if (flies) settles = decay_of_train(tracer%system) > frequency_ratio/(2*pi*integration%max_periods)
+      if (flies) settles = decay_of_train(tracer%system) &
+                           > tracer%settings%repeats*frequency_ratio/(2*pi*integration%max_periods)
       if (settles) call solve_where_flow_settles()
       elsewhere = [times*frequency_ratio, frequency_ratio + share*(other - frequency_ratio)]
       do round = 1, 2

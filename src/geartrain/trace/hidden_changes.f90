@@ -149,7 +149,6 @@ contains
             call samples%highest(piece%length, s, peak)
             call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, .true., s, solution, between, success)
             if (.not. success) return
-            if (.not. are_numbers(between)) return
             counts = outside(between)
             found = counts(kind) /= counted(kind)
             if (found) then

@@ -11,7 +11,7 @@ module geartrain_trace_large_amplitude
    use geartrain_linalg_trigonometric, only: rms
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_corrector, only: inner, solution_point_type
-   use geartrain_trace_step_geometry, only: odd_product, sense_of
+   use geartrain_trace_step_geometry, only: odd_product
    use geartrain_trace_step_length, only: acceptable, next_step
    use geartrain_trace_tracer, only: came_back, closed_loop, left_by_amplitude, met_half_period, reached_end, tracer_type
    implicit none (type, external)
@@ -72,14 +72,6 @@ contains
       if (allocated(branch%trace)) before = branch%trace%before
       first = branch%points
       if (present(point)) first = point
-      ! A seed at a bound: of its two ways one leads out of the range.
-      associate (frequency_ratio => solution%frequency_ratio, sense => sense_of(solution, tracer%corrector%units))
-         if (sense > 0 .and. frequency_ratio >= high .or. sense < 0 .and. frequency_ratio <= low) then
-            outcome = merge(reached_end, came_back, abs(frequency_ratio - target) <= 0)
-            reason = before//lambda(frequency_ratio)//' is the end of the range'
-            return
-         end if
-      end associate
       do
          call tracer%trace(solution, low, high, target, branch, outcome, reason, observer, began, first)
          reason = before//reason

@@ -73,6 +73,8 @@ contains
       last = multipliers_at(branch, after)
       if (.not. (are_numbers(first) .and. are_numbers(last))) return
       if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
+      ! Of a large train only the leading ones are known, and more may be outside: the counts are undecided.
+      if (monodromy%is_partial() .and. max(abs(first(size(first))), abs(last(size(last)))) > 1) return
       call system_clock(began, rate)
       piece = piece_type(here, next, arc_length(here, next, corrector%units), branch%arclength(before))
       probes = 0
@@ -134,7 +136,6 @@ contains
 
          place = at
          call find_multipliers(corrector, monodromy, piece, at, at, .true., place, solution, found, success)
-         if (success) success = are_numbers(found)
          if (success) multipliers = found
       end subroutine find_at
 
@@ -232,7 +233,6 @@ contains
             call samples%highest(piece%length, s, peak)
             call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, .true., s, solution, multipliers, success)
             if (.not. success) exit
-            if (.not. are_numbers(multipliers)) exit
             counts(:, n + 1) = outside(multipliers)
             if (counts(kind, n + 1) /= counts(kind, 1)) then
                call places%insert(s, multipliers)

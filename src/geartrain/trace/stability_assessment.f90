@@ -65,7 +65,7 @@ contains
       real(dp) :: first(size(multipliers)), second(size(multipliers)), moved
       real(dp), allocatable :: shift(:, :)
       type(growth_type) :: growth
-      logical :: unsure(size(multipliers))
+      logical :: unsure(size(multipliers)), more
 
       assessment%stable = is_stable(multipliers)
       associate (time => 2*pi*balance%eta/frequency_ratio/balance%repeats)
@@ -74,7 +74,9 @@ contains
       ! Multipliers that were not found are neutral too.
       assessment%undecided = is_neutral(multipliers) .or. estimate%doubtful .or. estimate%relative > largest_error .or. &
                           .not. monodromy%confirmed
-      assessment%count_undecided = assessment%undecided
+      ! Of a large train only the leading ones are known: where all are outside, there may be more.
+      more = monodromy%is_partial() .and. abs(multipliers(size(multipliers))) > 1
+      assessment%count_undecided = assessment%undecided .or. more
       if (.not. (abs(multipliers(1)) <= huge(1.0_dp) .or. monodromy%is_partial())) then
          ! Over a long period they leave the range of numbers; the rate does not.
          call find_growth(monodromy, balance, frequency_ratio, growth)
@@ -95,7 +97,7 @@ contains
       ! Both estimates are sorted by magnitude.
       unsure = unsure .and. .not. surely*abs(second - first) < abs(first - 1) .or. .not. monodromy%confirmed
       assessment%undecided = unsure(1)
-      assessment%count_undecided = any(unsure)
+      assessment%count_undecided = any(unsure) .or. more
    end subroutine assess
 
    !> Assesses the stability of a motion of long period, by its growth rate over a part of it.

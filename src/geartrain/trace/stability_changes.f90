@@ -7,7 +7,7 @@
 module geartrain_trace_stability_changes
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: neutral
+   use geartrain_floquet_multipliers, only: are_numbers, neutral
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
@@ -38,6 +38,8 @@ module geartrain_trace_stability_changes
    integer, parameter :: most_steps = 60
    !> Distance from the circle of a multiplier of which nothing is known but that it is inside.
    real(dp), parameter :: none = -0.5_dp
+   !> Distance from the circle up to which a multiplier may be the one that passes.
+   real(dp), parameter :: beside = 1e-3_dp
    !> Difference of multipliers that are equal by the symmetry of the train.
    real(dp), parameter :: equal = 1e-7_dp
 
@@ -89,7 +91,7 @@ contains
       type(solution_point_type) :: solution
       real(dp) :: s
       integer :: change(3), kind
-      logical :: above, success
+      logical :: above, fits, success
 
       change = outside(last) - outside(first)
       if (change(doubling) == 0 .and. change(neimark_sacker) == 0) then
@@ -101,9 +103,12 @@ contains
       if (any(change([doubling, neimark_sacker]) /= 0) .and. &
           change(doubling)*change(neimark_sacker) == 0 .and. (kind == doubling .or. above) .and. &
           (abs(change(kind)) == 1 .or. pass_together(first, last, kind))) then
-         call locate(corrector, monodromy, piece, a, b, first, last, kind, above, solution, s)
-         call list(abs(change(kind)))
-         return
+         call locate(corrector, monodromy, piece, a, b, first, last, kind, above, solution, s, fits)
+         ! Else multipliers of another kind pass, which become of this kind outside.
+         if (fits .or. b - a <= together*piece%length) then
+            call list(abs(change(kind)))
+            return
+         end if
       end if
       s = (a + b)/2
       call find_multipliers(corrector, monodromy, piece, a, b, .false., s, solution, middle, success)
@@ -227,7 +232,7 @@ contains
    end function stays
 
    !> The solution point between the distances `from` and `to` along a piece where a multiplier passes the circle.
-   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, above, solution, s)
+   subroutine locate(corrector, monodromy, piece, from, to, first, last, kind, above, solution, s, fits)
       type(corrector_type), intent(inout) :: corrector
       type(monodromy_type), intent(inout) :: monodromy
       type(piece_type), intent(in) :: piece
@@ -239,6 +244,8 @@ contains
       type(solution_point_type), intent(inout) :: solution
       !> Distance of the point from the beginning of the piece [1].
       real(dp), intent(out) :: s
+      !> A multiplier of the kind is next to the circle there; or none was found.
+      logical, intent(out) :: fits
       complex(dp) :: multipliers(size(first))
       !> Place, excess and Lambda of the latest two places at which the multiplier is outside or, inside, known.
       real(dp) :: known(3, 2)
@@ -246,6 +253,7 @@ contains
       integer :: i, kept, number, taken
       logical :: success
 
+      fits = .true.
       number = max(number_outside(first, above), number_outside(last, above))
       kept = 0
       a = from
@@ -266,6 +274,7 @@ contains
          call find_multipliers(corrector, monodromy, piece, a, b, .false., s, solution, multipliers, success)
          if (.not. success) return
          f = excess(multipliers, kind, number, above)
+         fits = any(abs(of_kind(multipliers, kind) - 1) <= beside)
          if (f > none) then
             known(:, 1) = known(:, 2)
             known(:, 2) = [s, f, solution%frequency_ratio]
@@ -342,7 +351,7 @@ contains
       type(solution_point_type), intent(inout) :: solution
       !> Its multipliers.
       complex(dp), intent(out) :: multipliers(:)
-      !> Newton's method has converged.
+      !> Newton's method has converged, and multipliers were found.
       logical, intent(out) :: success
       real(dp), parameter :: share(*) = [0.37_dp, 0.67_dp, 0.21_dp, 0.83_dp]
       integer :: attempt
@@ -358,6 +367,7 @@ contains
       if (.not. success) return
       call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio, verdict=verdict)
       call monodromy%multipliers(multipliers)
+      success = are_numbers(multipliers)
    end subroutine find_multipliers
 
 end module geartrain_trace_stability_changes
