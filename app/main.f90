@@ -1,5 +1,6 @@
 !> The executable: arguments in, exit status out.
 program main
+   use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
    use arguments, only: arguments_type, read_arguments
    use audits, only: audit_cases
    use cases, only: check_cases, explain_cases, new_case, run_cases
@@ -13,13 +14,13 @@ program main
    implicit none (type, external)
    type(arguments_type) :: asked
    character(:), allocatable :: text
-   integer :: status
+   integer :: status, blas_threads_before
 
    call stand_firm()
-   status = blas_threads(1)
+   blas_threads_before = blas_threads(1)
    if (.not. can_begin()) then
       call complain('geartrain: error: there is not enough memory to begin with, 160 MB beside the program: is there a limit &
-                    &(ulimit -v)?')
+                    &(ulimit -v)? With OPENBLAS_NUM_THREADS=1 it needs less')
       call leave_at_once(status_file)
    end if
    status = 0
@@ -74,6 +75,10 @@ contains
          call complain('geartrain: error: standard output is lost: nobody reads it, or the disk behind it is full')
          whole = max(whole, status_file)
       end if
+      flush (output_unit)
+      flush (error_unit)
+      ! Not to wait for further threads of OpenBLAS, which ask for ever for memory that they do not get.
+      if (blas_threads_before > 1) call leave_at_once(whole)
       if (whole /= 0) stop whole, quiet=.true.
    end subroutine leave
 

@@ -1,5 +1,6 @@
 """What several test files use: trains, cases, the executable and files that it writes."""
 
+import os
 import signal
 import subprocess
 from collections import Counter
@@ -10,6 +11,8 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads take memory, which some tests limit
 
 import geartrain as gt
 
