@@ -63,21 +63,6 @@ def reference(motion):
     return replace(motion, coefficients=padded).refine()
 
 
-def chain(shafts):
-    """A train of that many shafts: figure 3's pairs by turns, the second one turned round so that no torque grows."""
-    figure3 = paper_case("fig03").train
-    down, after = figure3.meshes
-    up = replace(
-        after, driving_radius=after.driven_radius, driven_radius=after.driving_radius,
-        driving_inertia=after.driven_inertia, driven_inertia=after.driving_inertia,
-    )  # fmt: skip
-    first, middle, last = figure3.shafts
-    return replace(
-        figure3, title=f"chain of {shafts} shafts", shafts=[first, *[middle] * (shafts - 2), last],
-        meshes=[(down, up)[number % 2] for number in range(shafts - 1)],
-    )  # fmt: skip
-
-
 def tree(shape, meshes):
     """Figure 3's first pairs in a tree, down and up by turns; torques at its branchings load every mesh alike.
 

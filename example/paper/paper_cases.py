@@ -9,11 +9,12 @@ from __future__ import annotations
 import re
 import sys
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 import geartrain as gt
 
-__all__ = ["CHANGES", "case_texts", "main", "paper_case", "write_cases"]
+__all__ = ["CHANGES", "case_texts", "chain", "main", "paper_case", "write_cases"]
 
 NAMELISTS = Path(__file__).resolve().parents[2] / "namelists"
 
@@ -101,6 +102,21 @@ def paper_case(name: str) -> gt.Case:
         return gt.read_case(path)
     with tempfile.TemporaryDirectory() as folder:
         return gt.read_case(write_cases(Path(folder)) / path.name)
+
+
+def chain(shafts: int) -> gt.Train:
+    """A train of that many shafts: figure 3's pairs by turns, the second one turned round so that no torque grows."""
+    figure3 = paper_case("fig03").train
+    down, after = figure3.meshes
+    up = replace(
+        after, driving_radius=after.driven_radius, driven_radius=after.driving_radius,
+        driving_inertia=after.driven_inertia, driven_inertia=after.driving_inertia,
+    )  # fmt: skip
+    first, middle, last = figure3.shafts
+    return replace(
+        figure3, title=f"chain of {shafts} shafts", shafts=[first, *[middle] * (shafts - 2), last],
+        meshes=[(down, up)[number % 2] for number in range(shafts - 1)],
+    )  # fmt: skip
 
 
 def main(arguments: list[str]) -> int:

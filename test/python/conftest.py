@@ -4,7 +4,6 @@ import os
 import signal
 import subprocess
 from collections import Counter
-from dataclasses import replace
 from itertools import chain, pairwise
 from pathlib import Path
 
@@ -25,19 +24,6 @@ ROOT = Path(__file__).resolve().parents[2]
 def texts(ax):
     """What is written in axes."""
     return [text.get_text() for text in ax.texts]
-
-
-def long_chain(shafts):
-    """Figure 3's gear pairs by turns, the second one turned round so that no torque grows, between as many shafts."""
-    figure3 = paper_train()
-    down, after = figure3.meshes
-    up = replace(
-        after, driving_radius=after.driven_radius, driven_radius=after.driving_radius,
-        driving_inertia=after.driven_inertia, driven_inertia=after.driving_inertia,
-    )  # fmt: skip
-    first, middle, last = figure3.shafts
-    meshes = [(down, up)[number % 2] for number in range(shafts - 1)]
-    return replace(figure3, shafts=[first, *[middle] * (shafts - 2), last], meshes=meshes)
 
 
 def paper_train(half_backlash=30e-6, **changes):

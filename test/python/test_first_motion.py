@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import long_chain
 
 import geartrain as gt
+from paper_cases import chain
 
 
 def loaded_train(seed):
@@ -50,7 +50,7 @@ def test_a_response_begins(seed):
 @pytest.mark.filterwarnings("ignore:.*critical damping")
 def test_a_train_that_rings_for_long():
     """Free vibrations of a hundred shafts outlast every integration: the branch is followed from where rest leads to it."""
-    train = long_chain(100)
+    train = chain(100)
     asked = {"harmonics": 6, "stability": False}
     branch = train.response(start=0.826, stop=0.819, **asked)
     same = train.response(start=0.84, stop=0.819, **asked)  # where Newton's method from rest finds a motion

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from conftest import long_chain
 from metamorphic_branches import Plan
 from random_trains import random_train
+
+from paper_cases import chain
 
 #: Special points of a branch that are likely to be far apart.
 FEW = 30
@@ -62,7 +63,7 @@ def test_a_point_between_the_changes_of_a_pair(seed):
 
 def test_reals_that_pair_outside_the_circle():
     """Each change has its multipliers on two sides: two real ones outside that become a pair, beside a pair, are no passage."""
-    train = long_chain(22)
+    train = chain(22)
     branch = train.response(start=0.84, stop=0.7, harmonics=6)
     points = [point for point in branch.special_points if point.kind in KINDS]
     assert len(points) > 20

@@ -6,7 +6,7 @@ module geartrain_linalg_blas_threads
    public :: blas_threads
 
    interface
-      !> Lets OpenBLAS use so many threads, and tells how many there were; 0: it is not there (blas_threads.c).
+      !> Sets the number of threads of OpenBLAS (blas_threads.c); the result is the number before, 0 without OpenBLAS.
       integer(c_int) function blas_threads(number) bind(c, name='geartrain_blas_threads')
          import :: c_int
          implicit none (type, external)

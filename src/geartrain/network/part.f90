@@ -95,7 +95,7 @@ contains
       complex(dp), intent(out) :: alpha(:, :)
       !> Derivative of `alpha` with respect to omega [m s/(N rad)], (port, port).
       complex(dp), intent(out), optional :: d_alpha(:, :)
-      !> Room for all that follows: each array of its own would take its memory from the heap.
+      !> One array for all work space: an allocation for each array would cost more than the arithmetic.
       complex(dp) :: room(self%graph%slots + 2*size(self%mass) + size(self%at)*(size(self%mass) + 1))
 
       associate (slots => self%graph%slots, masses => size(self%mass), ports => size(self%at))

@@ -285,8 +285,7 @@ contains
             if (taken > 1 .and. abs(f - known(2, 1)) > 0) chord = -f*(s - known(1, 1))/(f - known(2, 1))
             if (max(abs(f), abs(chord)/(to - from)) < nearly) then
                if (max(abs(f*known(2, 1)), abs(chord*(s + chord - known(1, 1)))/(to - from)**2) < closely) then
-                  ! Lambda is that of the chord as well: s is a place on the cubic through the ends, along which Lambda grows by
-                  ! another amount than along the branch.
+                  ! Lambda follows from the chord too: s is a place on the cubic through the ends, not on the branch.
                   solution%frequency_ratio = known(3, 2) + chord*(known(3, 2) - known(3, 1))/(s - known(1, 1))
                   s = s + chord
                   return
