@@ -4,12 +4,14 @@ module unit_long_period
    use geartrain, only: branch_type, dp, error_type, response, response_settings_type, train_type
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
+   use geartrain_base_words, only: words_type
    use geartrain_balance_products, only: sparse_product, toeplitz
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
    use geartrain_train_nearby_orders, only: find_nearby_orders
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_mesh, only: mesh_type, put_law
+   use geartrain_trace_out_of_reach, only: find_out_of_reach
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -25,7 +27,41 @@ contains
       if (tests%runs('no_multipliers')) call no_multipliers(tests)
       if (tests%runs('teeth_part')) call teeth_part(tests)
       if (tests%runs('nearby_orders')) call nearby_orders(tests)
+      if (tests%runs('out_of_reach')) call out_of_reach(tests)
    end subroutine long_period_tests
+
+   !> A branch ends where many of its motions have errors above a tenth; those of a trace from its other end do not count.
+   subroutine out_of_reach(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+      integer :: i
+
+      branch%points = 60
+      branch%error_estimate = [(merge(0.2_dp, 2e-3_dp, i <= 30 .or. i > 36), i=1, 60)]
+      branch%frequency_ratio = [(real(i, dp), i=1, 60)]
+      branch%segment = [(merge(1, 2, i <= 30), i=1, 60)]
+      call tests%is_true(ends(60, .false.) .and. .not. ends(54, .false.), 'twenty motions')
+      call tests%is_true(ends(41, .true.) .and. .not. ends(40, .true.), 'five motions of hunting teeth')
+      branch%error_estimate = 2e-3_dp
+      call tests%is_true(ends(40, .true., 40) .and. .not. (ends(40, .true., 39) .or. ends(40, .false., 40)), 'missed by little')
+
+   contains
+
+      logical function ends(points, long, missed)
+         integer, intent(in) :: points
+         logical, intent(in) :: long
+         integer, intent(in), optional :: missed
+         type(words_type), allocatable :: reason
+         integer :: count
+
+         branch%points = points
+         count = 0
+         if (present(missed)) count = missed
+         call find_out_of_reach(branch, count, 1e-3_dp, long, reason)
+         ends = allocated(reason)
+      end function ends
+
+   end subroutine out_of_reach
 
    !> A turbine's orders of 288,640 cycles, with nearby orders by a search written apart; orders that are low enough, which stay;
    !> orders of a simple ratio, which keep the ratio; orders without a neighbour of the allowed error.

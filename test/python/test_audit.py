@@ -132,3 +132,11 @@ def test_what_nothing_excites_is_its_mean():
     assert np.all(branch.rms < 1e-12)
     audit = branch.audit(points=3)
     assert audit.ok and not any(audit.finding), audit
+
+
+def test_neglected_harmonics_act_on_each_other():
+    """Two stages at one percent: beats of the tooth frequencies, which excite each other, are neglected."""
+    train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    found = train.response(start=1640.0, stop=1700.0, unit="rpm", harmonics=0, tolerance=1e-2).audit(points=16)
+    assert found.ok and found.as_estimated == found.points == 16
+    assert found.kind.count("fold") == found.confirmed == 2

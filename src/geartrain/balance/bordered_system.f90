@@ -12,6 +12,7 @@ module geartrain_balance_bordered_system
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
+   use geartrain_linalg_least_residual, only: least_residual_type
    implicit none (type, external)
    private
    public :: bordered_system_type
@@ -53,6 +54,7 @@ module geartrain_balance_bordered_system
       real(dp), allocatable, private :: basis(:, :, :), basis_y(:)
       !> What the preconditioner makes of the basis: the solution is a sum of it.
       real(dp), allocatable, private :: solved(:, :, :), solved_y(:)
+      type(least_residual_type), private :: least
    contains
       procedure :: setup
       procedure :: linearize
@@ -342,8 +344,8 @@ contains
       real(dp), intent(in) :: enough
       real(dp), intent(inout) :: x(:, :), y
       logical, intent(out) :: converged
-      real(dp) :: h(self%most + 1, self%most), g(self%most + 1), cosine(self%most), sine(self%most), length, held
-      integer :: i, j, n
+      real(dp) :: h(self%most), g(self%most), length, rest, residual
+      integer :: j, n
 
       length = sqrt(sum(x**2) + y**2)
       converged = .not. length > 0
@@ -351,8 +353,7 @@ contains
       associate (v => self%basis, vy => self%basis_y, z => self%solved, zy => self%solved_y)
          v(:, :, 1) = x/length
          vy(1) = y/length
-         g = 0
-         g(1) = length
+         call self%least%begin(self%most, length)
          do n = 1, self%most
             if (balance%system%interrupt%raised()) return
             z(:, :, n) = v(:, :, n)
@@ -362,38 +363,26 @@ contains
             v(:, :, n + 1) = v(:, :, n + 1) + zy(n)*self%column
             vy(n + 1) = sum(self%row*z(:, :, n)) + self%corner*zy(n)
             do j = 1, n
-               h(j, n) = sum(v(:, :, j)*v(:, :, n + 1)) + vy(j)*vy(n + 1)
-               v(:, :, n + 1) = v(:, :, n + 1) - h(j, n)*v(:, :, j)
-               vy(n + 1) = vy(n + 1) - h(j, n)*vy(j)
+               h(j) = sum(v(:, :, j)*v(:, :, n + 1)) + vy(j)*vy(n + 1)
+               v(:, :, n + 1) = v(:, :, n + 1) - h(j)*v(:, :, j)
+               vy(n + 1) = vy(n + 1) - h(j)*vy(j)
             end do
-            h(n + 1, n) = sqrt(sum(v(:, :, n + 1)**2) + vy(n + 1)**2)
-            if (h(n + 1, n) > 0) v(:, :, n + 1) = v(:, :, n + 1)/h(n + 1, n)
-            if (h(n + 1, n) > 0) vy(n + 1) = vy(n + 1)/h(n + 1, n)
-            do j = 1, n - 1
-               held = cosine(j)*h(j, n) + sine(j)*h(j + 1, n)
-               h(j + 1, n) = cosine(j)*h(j + 1, n) - sine(j)*h(j, n)
-               h(j, n) = held
-            end do
-            held = hypot(h(n, n), h(n + 1, n))
-            if (.not. held > 0) return
-            cosine(n) = h(n, n)/held
-            sine(n) = h(n + 1, n)/held
-            h(n, n) = held
-            g(n + 1) = -sine(n)*g(n)
-            g(n) = cosine(n)*g(n)
-            converged = abs(g(n + 1)) <= enough*length
+            rest = sqrt(sum(v(:, :, n + 1)**2) + vy(n + 1)**2)
+            if (rest > 0) v(:, :, n + 1) = v(:, :, n + 1)/rest
+            if (rest > 0) vy(n + 1) = vy(n + 1)/rest
+            call self%least%add(h(:n), rest, residual)
+            if (residual < 0) return
+            converged = residual <= enough*length
             if (converged) exit
          end do
          self%iterations = min(n, self%most)
          if (.not. converged) return
-         do i = n, 1, -1
-            g(i) = (g(i) - dot_product(h(i, i + 1:n), g(i + 1:n)))/h(i, i)
-         end do
+         g(:n) = self%least%weights()
          x = 0
          y = 0
-         do i = 1, n
-            x = x + g(i)*z(:, :, i)
-            y = y + g(i)*zy(i)
+         do j = 1, n
+            x = x + g(j)*z(:, :, j)
+            y = y + g(j)*zy(j)
          end do
       end associate
    end subroutine iterate

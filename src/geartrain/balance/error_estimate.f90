@@ -2,14 +2,13 @@
 module geartrain_balance_error_estimate
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
-   use geartrain_balance_products, only: driven, multiply, tail_force, transform_tail
+   use geartrain_balance_tail_equations, only: tail_equations_type
    use geartrain_balance_tail_harmonics, only: far, near, tail_harmonics
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_graph, only: factor_scalars, solve_scalars
-   use geartrain_linalg_trigonometric, only: evaluate, fine_samples, sample, transform_length
-   use geartrain_mesh_law_spectra, only: spectra_type
-   use geartrain_network_receptance, only: find_receptance, linear_displacements, receptance_type
+   use geartrain_linalg_least_residual, only: least_residual_type
+   use geartrain_linalg_trigonometric, only: evaluate, fine_samples, sample
+   use geartrain_network_receptance, only: linear_displacements
    implicit none (type, external)
    private
    public :: error_estimate_type, find_error_estimate, harmonics_for
@@ -21,12 +20,13 @@ module geartrain_balance_error_estimate
    !> error at constant Lambda falls only with the root of the shift of the fold.
    real(dp), parameter :: steepest = 0.05_dp
 
+   !> Residual to which the harmonics of a tail are coupled, relative to the tail without [1]; highest number of vectors for it.
+   real(dp), parameter :: coupled = 0.3_dp
+   integer, parameter :: most_vectors = 12
+
    !> Relative accuracy of iterative solutions for the estimate [1]; least amplitude of a mesh to which its error is relative, over
    !> that of all meshes [1].
    real(dp), parameter :: accuracy = 1e-3_dp, least_share = 1e-6_dp
-
-   !> Terms of a sum for each sample of an FFT up to which a product of spectra is found by sums [1].
-   real(dp), parameter :: sums_for_sample = 60
 
    type :: error_estimate_type
       !> Ranges of natural frequencies of the train in contact over characteristic frequency [1], the lowest and the highest one of
@@ -41,22 +41,19 @@ module geartrain_balance_error_estimate
       !> Error of the waveform of each mesh over the amplitude of this mesh [1], (mesh): above `relative` for a mesh of small
       !> amplitude. `relative` for a linear mesh.
       real(dp), allocatable :: mesh(:)
-      !> The first order may not hold: a fold is nearer than its own error, a contact may begin or end within the error, or the
-      !> error is not small.
+      !> The first order may not hold: a fold is nearer than its own error, a contact may begin or end within the error, the error
+      !> is not small, or neglected harmonics excite each other more than is found.
       logical :: doubtful = .false.
       !> Root of the sum of squares of the amplitudes above harmonic r of all unknown meshes [1], (0:near*highest).
       real(dp), allocatable :: remainder(:)
       !> Number of harmonics in the tail; highest index of the spectra.
       integer :: count = 0
-      integer, private :: longest = -1
-      !> Harmonics of Lambda/eta in the tail; their amplitudes [1], (tail, unknown); spectra of contact, (unknown).
+      !> Harmonics of Lambda/eta in the tail; their amplitudes [1], (tail, unknown).
       integer, allocatable :: harmonic(:)
       complex(dp), allocatable :: tail(:, :)
-      type(spectra_type), allocatable, private :: spectra(:)
       !> Error of the carried coefficients with the sign of a first-order correction [1], (block, unknown).
       real(dp), allocatable, private :: error(:, :)
-      !> Plan for products of the tail with the spectra, where the balance works by FFT.
-      type(transform_type), private :: wide
+      type(tail_equations_type), private :: equations
    contains
       procedure :: waveform_error
       procedure :: sample_error
@@ -86,9 +83,9 @@ contains
       real(dp), intent(in), optional :: residual(:, :)
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale, own
       complex(dp), allocatable :: force(:, :)
-      integer :: i, reach
-      !> Harmonics left out may excite linear meshes; products are sums, not found by FFT.
-      logical :: condensed, direct
+      integer :: i
+      !> Harmonics left out may excite linear meshes; the harmonics of the tail are coupled as far as they need.
+      logical :: condensed, settled
 
       estimate%relative = 0
       estimate%limited = 0
@@ -113,25 +110,17 @@ contains
          return
       end if
       associate (n => estimate%count, tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic)
-         reach = harmonic(n) + balance%highest
-         do i = 1, balance%unknowns
-            call balance%contact(i)%extend(estimate%spectra(i), reach)
-         end do
-         direct = balance%is_direct() .and. real(n, dp)*size(balance%harmonic) < sums_for_sample*reach
-         ! Room for the product of the spectra with the motion or the tail without aliases.
-         if (.not. direct) call estimate%wide%plan(transform_length(2*reach + 1))
-         call find_forces(balance, u, frequency_ratio, harmonic(:n), reach, estimate%spectra, direct, estimate%wide, tail)
+         call estimate%equations%take(balance, frequency_ratio, harmonic(:n), .not. matrix%solves_in_time())
+         call estimate%equations%driven_forces(balance, u, tail)
          condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
          if (condensed) force = tail
-         call find_tail(balance, frequency_ratio, harmonic(:n), .not. matrix%solves_in_time(), tail)
+         call estimate%equations%displacements(balance, .true., tail)
+         settled = .true.
          if (matrix%solves_in_time()) then
             call matrix%solve_tail(balance, harmonic(:n), tail, correction, y)
          else
-            call find_shift(balance, frequency_ratio, harmonic(:n), reach, estimate%spectra, direct, estimate%wide, tail, &
-                            correction)
-            if (present(residual)) correction = correction - residual
-            y = 0
-            call matrix%solve(balance, correction, y, accuracy)
+            call carry(tail, .true.)
+            if (balance%chosen .and. balance%parts()) call couple(tail)
          end if
          call find_remainder(balance, u, harmonic(:n), tail, estimate%remainder)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
@@ -146,7 +135,7 @@ contains
             estimate%relative = max(estimate%relative, way)
             estimate%limited = max(estimate%limited, way)
          end if
-         estimate%doubtful = estimate%relative > large .or. abs(2*bend*y) > near_fold*slope**2
+         estimate%doubtful = .not. settled .or. estimate%relative > large .or. abs(2*bend*y) > near_fold*slope**2
          estimate%mesh = estimate%relative
          do i = 1, balance%unknowns
             own = sqrt(sum(tail(:, i)%re**2 + tail(:, i)%im**2) + 2*error(1, i)**2 + sum(error(2:, i)**2))
@@ -156,6 +145,67 @@ contains
       end associate
 
    contains
+
+      !> Correction of the carried harmonics by a tail.
+      subroutine carry(tail, whole)
+         complex(dp), intent(in) :: tail(:, :)
+         !> Whether the residual counts too.
+         logical, intent(in) :: whole
+
+         call estimate%equations%shift(balance, tail, correction)
+         if (whole .and. present(residual)) correction = correction - residual
+         y = 0
+         call matrix%solve(balance, correction, y, accuracy)
+      end subroutine carry
+
+      !> Lets the harmonics of the tail act on each other and the corrections of the carried ones on them, by GMRES: between chosen
+      !> harmonics lie neglected ones near which one tooth frequency beats with another, and a shift of contact carries one to the
+      !> other, with a gain that may be above 1.
+      subroutine couple(tail)
+         complex(dp), intent(inout) :: tail(:, :)
+         type(least_residual_type) :: least
+         complex(dp), allocatable :: v(:, :, :)
+         real(dp) :: h(most_vectors), length, rest, residual
+         integer :: j, k
+
+         length = sqrt(sum(tail%re**2 + tail%im**2))
+         if (.not. length > 0) return
+         allocate (v(size(tail, 1), size(tail, 2), most_vectors + 1))
+         v(:, :, 1) = tail/length
+         call least%begin(most_vectors, length)
+         do k = 1, most_vectors
+            call image(v(:, :, k), v(:, :, k + 1))
+            settled = .false.
+            if (balance%system%interrupt%raised()) return
+            do j = 1, k
+               h(j) = sum(v(:, :, j)%re*v(:, :, k + 1)%re + v(:, :, j)%im*v(:, :, k + 1)%im)
+               v(:, :, k + 1) = v(:, :, k + 1) - h(j)*v(:, :, j)
+            end do
+            rest = sqrt(sum(v(:, :, k + 1)%re**2 + v(:, :, k + 1)%im**2))
+            if (rest > 0) v(:, :, k + 1) = v(:, :, k + 1)/rest
+            call least%add(h(:k), rest, residual)
+            settled = residual >= 0 .and. residual < coupled*length
+            if (settled .or. residual < 0) exit
+         end do
+         h(:least%count) = least%weights()
+         tail = 0
+         do j = 1, least%count
+            tail = tail + h(j)*v(:, :, j)
+         end do
+         call carry(tail, .true.)
+      end subroutine couple
+
+      !> The tail less the tail that it and its effect on the carried harmonics make.
+      subroutine image(tail, left)
+         complex(dp), intent(in) :: tail(:, :)
+         complex(dp), intent(out) :: left(:, :)
+
+         call carry(tail, .false.)
+         error = correction - y/sign(max(abs(slope), steepest*unit), slope)*tangent
+         call estimate%equations%own_forces(balance, error, tail, left)
+         call estimate%equations%displacements(balance, .false., left)
+         left = tail - left
+      end subroutine image
 
       subroutine put(harmonic)
          integer, intent(in) :: harmonic(:)
@@ -170,23 +220,18 @@ contains
    pure subroutine reserve(self, balance)
       class(error_estimate_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
-      integer :: longest, last, i
+      integer :: longest, last
 
       longest = far*balance%highest
       last = maxval([longest, balance%left_out]) + balance%highest
       longest = longest + count(balance%left_out > longest)
       if (allocated(self%remainder)) then
          if (.not. (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 1) == longest .and. &
-                    size(self%tail, 2) == balance%unknowns .and. self%longest == last)) &
-            deallocate (self%remainder, self%harmonic, self%tail, self%spectra)
+                    size(self%tail, 2) == balance%unknowns)) deallocate (self%remainder, self%harmonic, self%tail)
       end if
-      self%longest = last
       if (.not. allocated(self%remainder)) &
-         allocate (self%remainder(0:near*balance%highest), self%harmonic(longest), self%tail(longest, balance%unknowns), &
-                   self%spectra(balance%unknowns))
-      do i = 1, balance%unknowns
-         call self%spectra(i)%reserve(balance%contact(i)%law, last)
-      end do
+         allocate (self%remainder(0:near*balance%highest), self%harmonic(longest), self%tail(longest, balance%unknowns))
+      call self%equations%reserve(balance, last)
    end subroutine reserve
 
    !> Displacements of linear meshes at the harmonics of the excitation that the balance leaves out, relative to their waveforms
@@ -314,134 +359,5 @@ contains
       end do
       remainder = sqrt(remainder)
    end subroutine find_remainder
-
-   !> Forces at the harmonics of the tail by the carried harmonics [1], (tail, unknown).
-   subroutine find_forces(balance, u, frequency_ratio, harmonic, reach, spectra, direct, wide, force)
-      type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: u(:, :), frequency_ratio
-      integer, intent(in) :: harmonic(:), reach
-      type(spectra_type), intent(in) :: spectra(:)
-      logical, intent(in) :: direct
-      type(transform_type), intent(inout) :: wide
-      complex(dp), intent(out) :: force(:, :)
-      complex(dp) :: integral(size(harmonic))
-      integer :: i
-
-      do i = 1, balance%unknowns
-         call at_tail(spectra(i)%stiffness(:reach), force(:, i))
-         force(:, i) = force(:, i) - 2*spectra(i)%offset(harmonic)
-         if (.not. balance%contact(i)%law%jumps) cycle
-         call at_tail(spectra(i)%damping(:reach), integral)
-         force(:, i) = force(:, i) + cmplx(0, frequency_ratio/balance%eta, dp)*harmonic*(integral + 2*spectra(i)%impulse(harmonic))
-      end do
-
-   contains
-
-      !> Product of a function, given by its coefficients w, with the motion of unknown mesh i, at the tail.
-      subroutine at_tail(w, product)
-         complex(dp), intent(in) :: w(0:)
-         complex(dp), intent(out) :: product(:)
-
-         if (direct) then
-            call driven(balance%harmonic, harmonic, w, u(:, i), product)
-            product = product + 2*u(1, i)*w(harmonic)
-         else
-            call sample(u(:, i), balance%harmonic, wide)
-            call multiply(wide, w)
-            product = 2*wide%coefficient(harmonic + 1)
-         end if
-      end subroutine at_tail
-
-   end subroutine find_forces
-
-   !> Replaces the forces at the tail by the displacements of the tail, (tail, unknown). Each harmonic is solved by itself, with the
-   !> meshes coupled and with their mean stiffness, because a harmonic near a natural frequency resonates; or by the forces as if
-   !> the meshes had no stiffness besides.
-   pure subroutine find_tail(balance, frequency_ratio, harmonic, stiff, tail)
-      type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: frequency_ratio
-      integer, intent(in) :: harmonic(:)
-      logical, intent(in) :: stiff
-      complex(dp), intent(inout) :: tail(:, :)
-      type(receptance_type) :: local
-      complex(dp) :: force(balance%unknowns), p(balance%unknowns), matrix(balance%system%cut%graph%entries)
-      integer :: i, m, n
-
-      associate (graph => balance%system%cut%graph)
-         do m = 1, size(harmonic)
-            force = tail(m, :)
-            call find_receptance(balance%system, frequency_ratio, harmonic(m), balance%eta, local, derivatives=.false.)
-            p = local%a
-            do i = 1, balance%unknowns
-               do n = graph%row(i), graph%row(i + 1) - 1
-                  p(i) = p(i) - local%h(graph%entry(n))*force(graph%column(n))
-               end do
-            end do
-            if (stiff) then
-               ! The diagonal is near 1 except at a resonance.
-               call balance%mean_matrix(harmonic(m), local, matrix)
-               call factor_scalars(graph, matrix)
-               call solve_scalars(graph, matrix, p)
-            end if
-            tail(m, :) = p
-         end do
-      end associate
-   end subroutine find_tail
-
-   !> Change of the residual at the carried harmonics by the forces of the tail, with opposite sign [1], (block, unknown).
-   subroutine find_shift(balance, frequency_ratio, harmonic, reach, spectra, direct, wide, tail, correction)
-      type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: frequency_ratio
-      integer, intent(in) :: harmonic(:), reach
-      type(spectra_type), intent(in) :: spectra(:)
-      logical, intent(in) :: direct
-      complex(dp), intent(in) :: tail(:, :)
-      type(transform_type), intent(inout) :: wide
-      real(dp), intent(out) :: correction(:, :)
-      real(dp) :: d_phi(balance%block, balance%unknowns), integral(balance%block)
-      complex(dp) :: shift
-      integer :: i, k, n
-
-      do i = 1, balance%unknowns
-         call at_kept(spectra(i)%stiffness(:reach), d_phi(:, i))
-         if (.not. balance%contact(i)%law%jumps) cycle
-         call at_kept(spectra(i)%damping(:reach), integral)
-         do k = 1, size(balance%harmonic)
-            associate (rate => frequency_ratio*balance%harmonic(k)/balance%eta)
-               d_phi(2*k, i) = d_phi(2*k, i) + rate*integral(2*k + 1)
-               d_phi(2*k + 1, i) = d_phi(2*k + 1, i) - rate*integral(2*k)
-            end associate
-         end do
-      end do
-      call balance%mean_product(-d_phi(1, :), 0*d_phi(1, :), correction(1, :))
-      associate (graph => balance%system%cut%graph)
-         do i = 1, balance%unknowns
-            do k = 1, size(balance%harmonic)
-               shift = 0
-               do n = graph%row(i), graph%row(i + 1) - 1
-                  shift = shift - balance%receptance(k)%h(graph%entry(n)) &
-                          *cmplx(d_phi(2*k, graph%column(n)), -d_phi(2*k + 1, graph%column(n)), dp)
-               end do
-               correction(2*k, i) = shift%re
-               correction(2*k + 1, i) = -shift%im
-            end do
-         end do
-      end associate
-
-   contains
-
-      !> Product of a function, given by its coefficients w, with the tail of unknown mesh i, at the carried harmonics.
-      subroutine at_kept(w, product)
-         complex(dp), intent(in) :: w(0:)
-         real(dp), intent(out) :: product(:)
-
-         if (direct) then
-            call tail_force(balance%harmonic, harmonic, w, tail(:, i), product)
-         else
-            call transform_tail(balance%harmonic, harmonic, w, tail(:, i), wide, product)
-         end if
-      end subroutine at_kept
-
-   end subroutine find_shift
 
 end module geartrain_balance_error_estimate

@@ -268,8 +268,8 @@ contains
          else if (n >= self%settings%max_points) then
             outcome = full
             reason = 'max_points = '//text(self%settings%max_points)//' reached at '//lambda(frequency_ratio)
-         else if (self%chooses_sets .and. self%corrector%balance%has_long_period()) then
-            call find_out_of_reach(branch%error_estimate(:n), self%missed, self%settings%tolerance, frequency_ratio, reason)
+         else if (self%chooses_sets) then
+            call find_out_of_reach(branch, self%missed, self%settings%tolerance, self%corrector%balance%has_long_period(), reason)
             if (allocated(reason)) outcome = full
          end if
       end associate

@@ -1,0 +1,266 @@
+!> Forces and displacements at the harmonics of a tail, those that a balance neglects, to first order in them.
+module geartrain_balance_tail_equations
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_products, only: driven, multiply, tail_force, transform_tail
+   use geartrain_base_kinds, only: dp
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_graph, only: factor_scalars, solve_scalars
+   use geartrain_linalg_trigonometric, only: sample, transform_length
+   use geartrain_mesh_law_spectra, only: spectra_type
+   use geartrain_network_receptance, only: find_receptance, receptance_type
+   implicit none (type, external)
+   private
+   public :: tail_equations_type
+
+   !> Terms of a sum for each sample of an FFT up to which a product of spectra is found by sums [1].
+   real(dp), parameter :: sums_for_sample = 60
+
+   type :: tail_equations_type
+      private
+      integer :: longest = -1, reach = 0
+      !> Products are sums, not found by FFT; each mesh has its mean stiffness in contact at the tail.
+      logical :: direct = .true., stiff = .true.
+      real(dp) :: frequency_ratio = 0
+      !> Harmonics of Lambda/eta in the tail.
+      integer, allocatable :: harmonic(:)
+      !> Spectra of contact, (unknown).
+      type(spectra_type), allocatable :: spectra(:)
+      !> Receptance and factors of the matrix of displacements with mean stiffness, (entry, tail); displacements by the excitation
+      !> without the meshes, (unknown, tail).
+      complex(dp), allocatable :: h(:, :), factors(:, :), excitation(:, :)
+      !> Plan for products of the tail with the spectra, where the balance works by FFT.
+      type(transform_type) :: wide
+   contains
+      procedure :: reserve
+      procedure :: take
+      procedure :: driven_forces
+      procedure :: own_forces
+      procedure :: displacements
+      procedure :: shift
+   end type tail_equations_type
+
+contains
+
+   !> Makes room for spectra up to a harmonic.
+   pure subroutine reserve(self, balance, last)
+      class(tail_equations_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      !> Highest harmonic of a tail plus the highest carried one.
+      integer, intent(in) :: last
+      integer :: i
+
+      if (allocated(self%spectra)) then
+         if (self%longest /= last .or. size(self%spectra) /= balance%unknowns) deallocate (self%spectra)
+      end if
+      self%longest = last
+      if (.not. allocated(self%spectra)) allocate (self%spectra(balance%unknowns))
+      do i = 1, balance%unknowns
+         call self%spectra(i)%reserve(balance%contact(i)%law, last)
+      end do
+   end subroutine reserve
+
+   !> Takes a tail at a motion, and prepares its equations.
+   subroutine take(self, balance, frequency_ratio, harmonic, stiff)
+      class(tail_equations_type), intent(inout) :: self
+      !> The balance, evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Harmonics of Lambda/eta in the tail, at least one, ascending.
+      integer, intent(in) :: harmonic(:)
+      !> Each harmonic with the meshes coupled and with their mean stiffness, because a harmonic near a natural frequency resonates;
+      !> or as if the meshes had no stiffness besides the forces.
+      logical, intent(in) :: stiff
+      type(receptance_type) :: local
+      integer :: i, m, n
+
+      n = size(harmonic)
+      self%frequency_ratio = frequency_ratio
+      self%harmonic = harmonic
+      self%stiff = stiff
+      self%reach = harmonic(n) + balance%highest
+      do i = 1, balance%unknowns
+         call balance%contact(i)%extend(self%spectra(i), self%reach)
+      end do
+      self%direct = balance%is_direct() .and. real(n, dp)*size(balance%harmonic) < sums_for_sample*self%reach
+      ! Room for the product of the spectra with the motion or the tail without aliases.
+      if (.not. self%direct) call self%wide%plan(transform_length(2*self%reach + 1))
+      associate (graph => balance%system%cut%graph)
+         if (allocated(self%h)) then
+            if (size(self%h, 1) /= graph%entries .or. size(self%h, 2) < n) deallocate (self%h, self%factors, self%excitation)
+         end if
+         if (.not. allocated(self%h)) &
+            allocate (self%h(graph%entries, n), self%factors(graph%entries, n), self%excitation(balance%unknowns, n))
+         do m = 1, n
+            call find_receptance(balance%system, frequency_ratio, harmonic(m), balance%eta, local, derivatives=.false.)
+            self%h(:, m) = local%h
+            self%excitation(:, m) = local%a
+            if (.not. stiff) cycle
+            ! The diagonal is near 1 except at a resonance.
+            call balance%mean_matrix(harmonic(m), local, self%factors(:, m))
+            call factor_scalars(graph, self%factors(:, m))
+         end do
+      end associate
+   end subroutine take
+
+   !> Forces at the tail by the carried harmonics [1], (tail, unknown).
+   subroutine driven_forces(self, balance, u, force)
+      class(tail_equations_type), intent(inout) :: self
+      !> The balance, evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> The motion [1], (block, unknown).
+      real(dp), intent(in) :: u(:, :)
+      !> Complex amplitudes [1], (tail, unknown).
+      complex(dp), intent(out) :: force(:, :)
+      complex(dp) :: integral(size(self%harmonic))
+      integer :: i
+
+      do i = 1, balance%unknowns
+         associate (spectra => self%spectra(i), harmonic => self%harmonic)
+            call at_tail(spectra%stiffness(:self%reach), force(:, i))
+            force(:, i) = force(:, i) - 2*spectra%offset(harmonic)
+            if (.not. balance%contact(i)%law%jumps) cycle
+            call at_tail(spectra%damping(:self%reach), integral)
+            force(:, i) = force(:, i) + cmplx(0, self%frequency_ratio/balance%eta, dp)*harmonic &
+                          *(integral + 2*spectra%impulse(harmonic))
+         end associate
+      end do
+
+   contains
+
+      !> Product of a function, given by its coefficients w, with the motion of unknown mesh i, at the tail.
+      subroutine at_tail(w, product)
+         complex(dp), intent(in) :: w(0:)
+         complex(dp), intent(out) :: product(:)
+
+         if (self%direct) then
+            call driven(balance%harmonic, self%harmonic, w, u(:, i), product)
+            product = product + 2*u(1, i)*w(self%harmonic)
+         else
+            call sample(u(:, i), balance%harmonic, self%wide)
+            call multiply(self%wide, w)
+            product = 2*self%wide%coefficient(self%harmonic + 1)
+         end if
+      end subroutine at_tail
+
+   end subroutine driven_forces
+
+   !> Further forces at the tail [1], (tail, unknown), by a change of the carried harmonics and by the tail itself, but for those of
+   !> its displacements by the mean stiffness.
+   subroutine own_forces(self, balance, change, tail, force)
+      class(tail_equations_type), intent(inout) :: self
+      !> The balance, evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> Change of the carried coefficients [1], (block, unknown).
+      real(dp), intent(in) :: change(:, :)
+      !> Displacements at the tail [1], (tail, unknown).
+      complex(dp), intent(in) :: tail(:, :)
+      !> Complex amplitudes [1], (tail, unknown).
+      complex(dp), intent(out) :: force(:, :)
+      real(dp), allocatable :: wave(:)
+      integer :: i
+
+      call self%wide%plan(transform_length(2*self%reach + 1))
+      do i = 1, balance%unknowns
+         associate (spectra => self%spectra(i), harmonic => self%harmonic, wide => self%wide)
+            wide%coefficient = 0
+            wide%coefficient(1) = change(1, i)
+            wide%coefficient(balance%harmonic + 1) = cmplx(change(2::2, i), -change(3::2, i), dp)/2
+            wide%coefficient(harmonic + 1) = tail(:, i)/2
+            call wide%to_samples()
+            wave = wide%sample
+            call multiply(wide, spectra%stiffness(:self%reach))
+            force(:, i) = 2*wide%coefficient(harmonic + 1)
+            force(:, i) = force(:, i) - real(spectra%stiffness(0), dp)*tail(:, i)
+            if (.not. balance%contact(i)%law%jumps) cycle
+            wide%sample = wave
+            call multiply(wide, spectra%damping(:self%reach))
+            force(:, i) = force(:, i) + cmplx(0, self%frequency_ratio/balance%eta, dp)*harmonic &
+                          *(2*wide%coefficient(harmonic + 1) - real(spectra%damping(0), dp)*tail(:, i))
+         end associate
+      end do
+   end subroutine own_forces
+
+   !> Replaces forces at the tail by the displacements of the tail, (tail, unknown).
+   pure subroutine displacements(self, balance, excited, tail)
+      class(tail_equations_type), intent(in) :: self
+      type(balance_type), intent(in) :: balance
+      !> Whether the excitation of the train moves it too.
+      logical, intent(in) :: excited
+      !> Complex amplitudes [1], (tail, unknown).
+      complex(dp), intent(inout) :: tail(:, :)
+      complex(dp) :: force(balance%unknowns), p(balance%unknowns)
+      integer :: i, m, n
+
+      associate (graph => balance%system%cut%graph)
+         do m = 1, size(self%harmonic)
+            force = tail(m, :)
+            p = 0
+            if (excited) p = self%excitation(:, m)
+            do i = 1, balance%unknowns
+               do n = graph%row(i), graph%row(i + 1) - 1
+                  p(i) = p(i) - self%h(graph%entry(n), m)*force(graph%column(n))
+               end do
+            end do
+            if (self%stiff) call solve_scalars(graph, self%factors(:, m), p)
+            tail(m, :) = p
+         end do
+      end associate
+   end subroutine displacements
+
+   !> Change of the residual at the carried harmonics by the forces of the tail, with opposite sign [1], (block, unknown).
+   subroutine shift(self, balance, tail, correction)
+      class(tail_equations_type), intent(inout) :: self
+      !> The balance, evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> Displacements at the tail [1], (tail, unknown).
+      complex(dp), intent(in) :: tail(:, :)
+      !> The change.
+      real(dp), intent(out) :: correction(:, :)
+      real(dp) :: d_phi(balance%block, balance%unknowns), integral(balance%block)
+      complex(dp) :: total
+      integer :: i, k, n
+
+      do i = 1, balance%unknowns
+         call at_kept(self%spectra(i)%stiffness(:self%reach), d_phi(:, i))
+         if (.not. balance%contact(i)%law%jumps) cycle
+         call at_kept(self%spectra(i)%damping(:self%reach), integral)
+         do k = 1, size(balance%harmonic)
+            associate (rate => self%frequency_ratio*balance%harmonic(k)/balance%eta)
+               d_phi(2*k, i) = d_phi(2*k, i) + rate*integral(2*k + 1)
+               d_phi(2*k + 1, i) = d_phi(2*k + 1, i) - rate*integral(2*k)
+            end associate
+         end do
+      end do
+      call balance%mean_product(-d_phi(1, :), 0*d_phi(1, :), correction(1, :))
+      associate (graph => balance%system%cut%graph)
+         do i = 1, balance%unknowns
+            do k = 1, size(balance%harmonic)
+               total = 0
+               do n = graph%row(i), graph%row(i + 1) - 1
+                  total = total - balance%receptance(k)%h(graph%entry(n)) &
+                          *cmplx(d_phi(2*k, graph%column(n)), -d_phi(2*k + 1, graph%column(n)), dp)
+               end do
+               correction(2*k, i) = total%re
+               correction(2*k + 1, i) = -total%im
+            end do
+         end do
+      end associate
+
+   contains
+
+      !> Product of a function, given by its coefficients w, with the tail of unknown mesh i, at the carried harmonics.
+      subroutine at_kept(w, product)
+         complex(dp), intent(in) :: w(0:)
+         real(dp), intent(out) :: product(:)
+
+         if (self%direct) then
+            call tail_force(balance%harmonic, self%harmonic, w, tail(:, i), product)
+         else
+            call transform_tail(balance%harmonic, self%harmonic, w, tail(:, i), self%wide, product)
+         end if
+      end subroutine at_kept
+
+   end subroutine shift
+
+end module geartrain_balance_tail_equations
