@@ -43,21 +43,18 @@ contains
       call tests%is_true(ends(60, .false.) .and. .not. ends(54, .false.), 'twenty motions')
       call tests%is_true(ends(41, .true.) .and. .not. ends(40, .true.), 'five motions of hunting teeth')
       branch%error_estimate = 2e-3_dp
-      call tests%is_true(ends(40, .true., 40) .and. .not. (ends(40, .true., 39) .or. ends(40, .false., 40)), 'missed by little')
+      branch%segment = 1
+      call tests%is_true(ends(40, .true.) .and. .not. (ends(39, .true.) .or. ends(60, .false.)), 'forty missed by little')
 
    contains
 
-      logical function ends(points, long, missed)
+      logical function ends(points, long)
          integer, intent(in) :: points
          logical, intent(in) :: long
-         integer, intent(in), optional :: missed
          type(words_type), allocatable :: reason
-         integer :: count
 
          branch%points = points
-         count = 0
-         if (present(missed)) count = missed
-         call find_out_of_reach(branch, count, 1e-3_dp, long, reason)
+         call find_out_of_reach(branch, 1e-3_dp, long, reason)
          ends = allocated(reason)
       end function ends
 

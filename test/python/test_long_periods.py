@@ -253,6 +253,18 @@ def test_teeth_that_part_in_a_long_period_end_early():
     assert not branch.complete and "teeth part in mesh cycles that all differ" in branch.ended and "&integration" in branch.ended
 
 
+@pytest.mark.nightly
+def test_both_ends_lead_to_motions_out_of_reach():
+    """The high-speed stage of a 5 MW gearbox parts at 970 to 985 rpm: what one end misses does not end the trace from the other."""
+    branch = train_of(REFERENCE_TURBINE).response(start=950.0, stop=1000.0, unit="rpm", harmonics=0, tolerance=1e-3)
+    assert branch.ended.count("teeth part in mesh cycles that all differ") == 2 and not branch.complete
+    apart = (branch.separation_fraction > 0).any(axis=1)
+    assert (branch.error_estimate[~apart] <= 1e-3).all() and branch.estimate_doubtful[apart].all()
+    for low, high in ((950.0, 965.0), (990.0, 1000.0)):
+        assert np.diff(np.sort(branch.speed[~apart & (branch.speed >= low) & (branch.speed <= high)])).max() < 1.0
+        assert branch.speed.min() == 950.0 and branch.speed.max() == 1000.0
+
+
 @pytest.mark.full
 def test_the_balance_agrees_with_windows(turbine, times):
     """Two methods that share neither period nor harmonics: the response to 1e-3, and its verdicts, against settled motions."""

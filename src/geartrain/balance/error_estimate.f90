@@ -20,9 +20,10 @@ module geartrain_balance_error_estimate
    !> error at constant Lambda falls only with the root of the shift of the fold.
    real(dp), parameter :: steepest = 0.05_dp
 
-   !> Residual to which the harmonics of a tail are coupled, relative to the tail without [1]; highest number of vectors for it.
+   !> Residual to which the harmonics of a tail are coupled, relative to the tail without [1]; highest number of vectors for it, and
+   !> of the amplitudes of a vector: the tails of hunting teeth have half a million.
    real(dp), parameter :: coupled = 0.3_dp
-   integer, parameter :: most_vectors = 12
+   integer, parameter :: most_vectors = 12, most_coupled = 20000
 
    !> Relative accuracy of iterative solutions for the estimate [1]; least amplitude of a mesh to which its error is relative, over
    !> that of all meshes [1].
@@ -170,6 +171,8 @@ contains
 
          length = sqrt(sum(tail%re**2 + tail%im**2))
          if (.not. length > 0) return
+         settled = size(tail) <= most_coupled
+         if (.not. settled) return
          allocate (v(size(tail, 1), size(tail, 2), most_vectors + 1))
          v(:, :, 1) = tail/length
          call least%begin(most_vectors, length)

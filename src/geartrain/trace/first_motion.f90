@@ -30,8 +30,8 @@ module geartrain_trace_first_motion
    !> Most sections of the flow from which an orbit is looked for, at the Lambda of the start, fewer for trains of more than 10
    !> states; and at each of some others. A section of a train of n states takes 15 flights of n tangents.
    integer, parameter :: sections_here = 128, sections_elsewhere = 8
-   !> Most points of a branch that leads to the start.
-   integer, parameter :: most_points = 2000
+   !> Most points of a branch that leads to the start, and of one in the period of hunting teeth, where a point may take a second.
+   integer, parameter :: most_points = 2000, most_points_of_long = 100
    !> Stiffness variation at which a branch over it begins, over that of the train [1]: a resonance is then too weak for a second
    !> motion, so that the branch cannot come back.
    real(dp), parameter :: hardly = 1.0_dp/64
@@ -366,11 +366,13 @@ contains
       logical, intent(out) :: success
       type(branch_type), target :: way
       type(words_type), allocatable :: reason
-      integer :: outcome
+      integer :: i, outcome
 
       ! The number of harmonics stays constant along the way.
       tracer%settings%harmonics = tracer%corrector%balance%highest
       tracer%shows = .false.
+      tracer%estimate%mesh = [(0.0_dp, i=1, tracer%system%meshes)]
+      if (tracer%corrector%balance%has_long_period()) tracer%settings%max_points = most_points_of_long
       call tracer%corrector%orient(solution, merge(1, -1, to > from))
       call tracer%recorder%setup(tracer%corrector%balance, .false., way)
       call tracer%record(solution, way)

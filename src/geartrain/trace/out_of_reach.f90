@@ -17,10 +17,8 @@ module geartrain_trace_out_of_reach
 contains
 
    !> Sets the reason for which the branch ends at its latest point; leaves it unallocated where the branch goes on.
-   subroutine find_out_of_reach(branch, missed, tolerance, long, reason)
+   subroutine find_out_of_reach(branch, tolerance, long, reason)
       type(branch_type), intent(in) :: branch
-      !> Number of its points that miss the tolerance.
-      integer, intent(in) :: missed
       !> The tolerance [1].
       real(dp), intent(in) :: tolerance
       !> Whether the period is that of hunting teeth.
@@ -34,7 +32,7 @@ contains
       associate (n => branch%points)
          estimate = pack(branch%error_estimate(:n), branch%segment(:n) == branch%segment(n))
          if (count(estimate > useless) < merge(most_useless, most_useless_of_short, long) &
-             .and. .not. (long .and. missed >= most_missed)) return
+             .and. .not. (long .and. count(estimate > tolerance) >= most_missed)) return
          ! Doubled until only a quarter of the estimates that miss the tolerance miss this one.
          enough = 2*tolerance
          do while (4*count(estimate > enough) > count(estimate > tolerance))

@@ -21,7 +21,7 @@ module geartrain_trace_stepper
 
    type, extends(adaptive_corrector_type) :: stepper_type
       type(recorder_type) :: recorder
-      !> The branch is shown: its points must have what is read off it. Else it only leads to its end.
+      !> The branch is shown: its points must have what is read off it, and their errors. Else it only leads to its end.
       logical :: shows = .true.
       !> Number of the segment of the branch that is traced.
       integer :: segment = 1
@@ -54,7 +54,7 @@ contains
       integer, intent(in), optional :: point
       real(dp) :: arclength
 
-      call self%estimate_error(solution)
+      if (self%shows) call self%estimate_error(solution)
       call self%read(solution)
       arclength = 0
       if (present(from)) arclength = branch%arclength(point) + arc_length(from, solution, self%corrector%units)

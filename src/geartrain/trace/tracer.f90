@@ -269,7 +269,7 @@ contains
             outcome = full
             reason = 'max_points = '//text(self%settings%max_points)//' reached at '//lambda(frequency_ratio)
          else if (self%chooses_sets) then
-            call find_out_of_reach(branch, self%missed, self%settings%tolerance, self%corrector%balance%has_long_period(), reason)
+            call find_out_of_reach(branch, self%settings%tolerance, self%corrector%balance%has_long_period(), reason)
             if (allocated(reason)) outcome = full
          end if
       end associate
