@@ -47,8 +47,8 @@ class Audit:
         special point the multipliers beyond the unit circle before it and after it. Empty where not known.
     estimate_wrong, verdict_wrong : ndarray of bool, (rows,)
         The error is not within a factor of 3 of its estimate, which is not called doubtful, or no orbit was found near the point;
-        the verdicts contradict each other, or the exact branch has no such special point nearby, though none of the points next
-        to it is undecided.
+        the verdicts contradict each other, or the exact branch has no such special point nearby: no such fold, or no other one
+        though none of the points next to it is undecided.
     finding : tuple of str
         What is wrong or worth knowing, in words; empty where all is as the branch says.
     points, as_estimated, doubtful : int

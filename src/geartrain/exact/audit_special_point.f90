@@ -71,7 +71,7 @@ contains
          if (row%verdict_wrong) row%finding = 'stability wrong'
       else
          row%finding = 'no '//trim(row%kind)//' found near it'
-         row%verdict_wrong = all(sides > 0) .or. .not. allocated(branch%stable)
+         row%verdict_wrong = row%kind == 'fold' .or. all(sides > 0)
          if (.not. row%verdict_wrong) row%finding = trim(row%finding)//', undecided'
       end if
    end subroutine audit_special_point
