@@ -3,6 +3,9 @@ module unit_long_period
    use fixtures, only: paper_train, settings_of, update_contact
    use geartrain, only: branch_type, dp, error_type, response, response_settings_type, train_type
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_motion, only: motion_type
+   use geartrain_balance_needed_harmonics, only: needed_harmonics
+   use geartrain_flow_start_state, only: states_of
    use geartrain_balance_bordered_system, only: bordered_system_type
    use geartrain_base_words, only: words_type
    use geartrain_balance_products, only: sparse_product, toeplitz
@@ -28,7 +31,42 @@ contains
       if (tests%runs('teeth_part')) call teeth_part(tests)
       if (tests%runs('nearby_orders')) call nearby_orders(tests)
       if (tests%runs('out_of_reach')) call out_of_reach(tests)
+      if (tests%runs('states_of_sets')) call states_of_sets(tests)
    end subroutine long_period_tests
+
+   !> The states of a motion have all its harmonics: a chosen set has some that few sums of tooth frequencies reach.
+   subroutine states_of_sets(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: highest = 138
+      type(train_type) :: train
+      type(system_type), target :: system
+      type(motion_type) :: motion
+      real(dp), allocatable :: states(:, :)
+      integer, allocatable :: rare(:)
+      integer :: k, r
+
+      train = paper_train(0.1_dp)
+      train%meshes%order = [17, 23]
+      call build_system(train, system)
+      associate (needed => needed_harmonics(system, highest))
+         rare = pack([(r, r=1, highest)], [(all(needed /= r), r=1, highest)])
+      end associate
+      call tests%is_true(size(rare) > 10, 'harmonics that are rarely needed')
+      allocate (motion%coefficients(1 + 2*highest, system%meshes), source=0.0_dp)
+      motion%frequency_ratio = 0.5_dp/23
+      motion%period = 1
+      motion%coefficients(1, :) = [3.0_dp, 4.0_dp]
+      motion%coefficients(2*rare, :) = 0.01_dp
+      motion%coefficients(2*rare + 1, :) = -0.02_dp
+      allocate (states(system%states, 5))
+      call states_of(system, motion, states)
+      do k = 1, 5
+         associate (phase => 2*acos(-1.0_dp)*(k - 1)/5*rare)
+            call tests%is_close(maxval(abs(states(system%mesh_element, k) - [3, 4] &
+                                           - sum(0.01_dp*cos(phase) - 0.02_dp*sin(phase)))), 0.0_dp, 1e-12_dp, 'displacements')
+         end associate
+      end do
+   end subroutine states_of_sets
 
    !> A branch ends where many of its motions have errors above a tenth; those of a trace from its other end do not count.
    subroutine out_of_reach(tests)

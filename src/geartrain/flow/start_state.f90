@@ -59,6 +59,7 @@ contains
       type(system_type), pointer :: at_speed
       real(dp), allocatable :: u(:, :)
       complex(dp), allocatable :: amplitudes(:, :), turned(:)
+      logical, allocatable :: carried(:)
       real(dp) :: mean(system%elements)
       integer :: highest, i, k
 
@@ -70,6 +71,11 @@ contains
          at_speed => own
       end if
       call balance%setup(at_speed, highest, motion%period, 0, repeats=repetitions_of(system, motion))
+      ! A set that a branch chose may have harmonics that are sums of more excited ones than are needed elsewhere.
+      carried = [(any(abs(motion%coefficients(2*k:2*k + 1, :)) > 0), k=1, highest)]
+      if (any(carried)) carried(balance%harmonic) = .true.
+      if (count(carried) > size(balance%harmonic)) &
+         call balance%setup(at_speed, highest, motion%period, 0, pack([(k, k=1, highest)], carried), repetitions_of(system, motion))
       allocate (u(balance%block, balance%unknowns), amplitudes(system%elements, size(balance%harmonic)))
       do i = 1, balance%unknowns
          u(1, i) = motion%coefficients(1, balance%mesh(i))
