@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import assert_equal_files, run
+from conftest import ROOT, assert_equal_files, run
 from gearboxes import REFERENCE_TURBINE, TRANSAXLE, TRUCK, WIND_TURBINE, Chain, train_of, truck, wind_turbine
 from test_many_cycles import stages
 
@@ -251,6 +251,21 @@ def test_teeth_that_part_in_a_long_period_end_early():
     apart = (branch.separation_fraction > 0).any(axis=1)
     assert apart.any() and (branch.error_estimate[~apart] <= 1e-3).all()
     assert not branch.complete and "teeth part in mesh cycles that all differ" in branch.ended and "&integration" in branch.ended
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("speed", [1669.0, 1690.0])
+def test_a_seed_brings_its_harmonics(speed):
+    """Two stages where teeth part: a motion of two hundred harmonics begins a finer branch, which refines to it."""
+    train = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    branch = train.response(start=1640.0, stop=1700.0, unit="rpm", harmonics=0, tolerance=1e-3)
+    seeds = [motion for motion in branch.at(speed, unit="rpm") if (motion.separation_fraction > 0).any()]
+    assert seeds
+    for seed in seeds:
+        found = train.response(start=speed, stop=speed + 1.0, unit="rpm", harmonics=0, tolerance=1e-4, max_points=2, seed=seed)
+        finer = min(found.at(speed, unit="rpm"), key=lambda motion: abs(motion.rms - seed.rms).max())
+        exact = seed.refine().rms
+        assert (abs(seed.rms - exact) <= 1e-3 * exact).all() and (abs(finer.rms - exact) <= 1e-4 * exact).all()
 
 
 @pytest.mark.nightly

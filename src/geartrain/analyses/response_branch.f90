@@ -24,7 +24,7 @@ module geartrain_analyses_response_branch
    use geartrain_trace_large_amplitude, only: followed_out, trace_through
    use geartrain_trace_points, only: drop_first, is_same_point
    use geartrain_trace_response_variables, only: check_response
-   use geartrain_trace_start, only: begin_trace, motion_at, solution_of
+   use geartrain_trace_start, only: add_harmonics, begin_trace, motion_at, solution_of
    use geartrain_trace_tracer, only: cancelled, reached_end, tracer_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -296,7 +296,8 @@ contains
    end subroutine leave_fold
 
    !> Solves the balance next to a seed: at its Lambda or, where that fails as at a fold, beside it; with the first number of
-   !> harmonics or, where the program chooses it, with twice or four times as many.
+   !> harmonics or, where the program chooses it, with twice or four times as many; where it chooses sets, with those that matter in
+   !> the seed too.
    subroutine solve_seed(tracer, seed, low, high, solution, at_its_lambda, success)
       type(tracer_type), intent(inout) :: tracer
       type(motion_type), intent(in) :: seed
@@ -307,6 +308,7 @@ contains
       logical, intent(out) :: at_its_lambda, success
       integer :: i
 
+      if (tracer%chooses_sets) call add_harmonics(tracer, seed)
       do i = 0, merge(2, 0, tracer%settings%harmonics == 0 .and. .not. tracer%chooses_sets)
          if (i > 0) call tracer%prepare(2*tracer%corrector%balance%highest)
          solution = solution_of(tracer, seed)

@@ -18,7 +18,7 @@ module geartrain_trace_first_motion
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: branch_type, coefficients_of, response_settings_type
    use geartrain_trace_corrector, only: solution_point_type
-   use geartrain_trace_start, only: begin_trace, motion_at, resting, solution_of
+   use geartrain_trace_start, only: add_harmonics, begin_trace, motion_at, resting, solution_of
    use geartrain_trace_tracer, only: reached_end, tracer_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -237,6 +237,7 @@ contains
       integer :: wanted, highest
 
       wanted = tracer%corrector%balance%highest
+      if (tracer%chooses_sets) call add_harmonics(tracer, motion)
       solution = solution_of(tracer, motion)
       call tracer%corrector%solve_at(solution, success)
       highest = wanted

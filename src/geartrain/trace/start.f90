@@ -20,11 +20,13 @@ module geartrain_trace_start
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: begin_trace, doubled_settings, motion_at, resting, solution_of
+   public :: add_harmonics, begin_trace, doubled_settings, motion_at, resting, solution_of
 
    !> Amplitude limits where the settings give none, rms in the unit of motions that cross the gap [1]: with backlash; and of a
    !> linear train, whose branch is merely not recorded near a multiplier +1, where its amplitude is infinite.
    real(dp), parameter :: default_amplitude_limit = 12, linear_amplitude_limit = 1e4_dp
+   !> Least amplitude of a harmonic that `add_harmonics` carries, over the tolerance and the amplitude of the motion [1].
+   real(dp), parameter :: least_share = 0.01_dp
 
 contains
 
@@ -219,5 +221,28 @@ contains
          end do
       end associate
    end function solution_of
+
+   !> Makes the balance carry, besides its set of harmonics, those that matter in a motion to begin from.
+   subroutine add_harmonics(tracer, motion)
+      !> Tracer after `begin_trace` that chooses sets.
+      type(tracer_type), intent(inout) :: tracer
+      !> Motion with coefficients, whose period divides the sub-harmonic index.
+      type(motion_type), intent(in) :: motion
+      logical, allocatable :: carried(:)
+      real(dp) :: least
+      integer :: k, highest, ratio
+
+      highest = (size(motion%coefficients, 1) - 1)/2
+      ratio = tracer%settings%subharmonic/motion%period
+      least = least_share*tracer%settings%tolerance*sqrt(sum(motion%coefficients(2:, :)**2))
+      associate (set => tracer%corrector%balance%harmonic)
+         allocate (carried(max(ratio*highest, set(size(set)))), source=.false.)
+         carried(set) = .true.
+      end associate
+      do k = 1, highest
+         if (sqrt(sum(motion%coefficients(2*k:2*k + 1, :)**2)) > least) carried(ratio*k) = .true.
+      end do
+      call tracer%prepare(findloc(carried, .true., 1, back=.true.), pack([(k, k=1, size(carried))], carried))
+   end subroutine add_harmonics
 
 end module geartrain_trace_start
