@@ -34,6 +34,8 @@ contains
       real(dp), intent(out) :: residual
       integer, allocatable :: elastic(:)
       real(dp), allocatable :: own(:)
+      !> gfortran 12 does not free the copies of an argument with a vector subscript.
+      type(element_type), allocatable :: elements(:)
       integer :: n
 
       elastic = pack([(n, n=1, size(force))], network%elements%elastic)
@@ -43,8 +45,9 @@ contains
          force(:tree) = tree_forces(network)
          if (size(elastic) == tree) return
          own = force(elastic)
+         elements = network%elements(elastic)
          call share_force(network%loop(:size(elastic) - tree, :tree), network%misfit(:size(elastic) - tree), &
-                          network%elements(elastic), law, length, own, residual)
+                          elements, law, length, own, residual)
          force(elastic) = own
       end associate
    end subroutine rest_forces
