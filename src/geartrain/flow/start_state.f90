@@ -1,8 +1,8 @@
 !> States at time 0: at rest under the mean load, at random, or of a motion given by its Fourier coefficients.
 module geartrain_flow_start_state
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_balance_of_motion, only: setup_for_motion
    use geartrain_balance_motion, only: motion_type
-   use geartrain_balance_repetition, only: repetitions_of
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_random, only: begin_random, generator_type
    use geartrain_network_receptance, only: linear_displacements
@@ -59,29 +59,23 @@ contains
       type(system_type), pointer :: at_speed
       real(dp), allocatable :: u(:, :)
       complex(dp), allocatable :: amplitudes(:, :), turned(:)
-      logical, allocatable :: carried(:)
       real(dp) :: mean(system%elements)
-      integer :: highest, i, k
+      integer :: i, k
 
-      highest = (size(motion%coefficients, 1) - 1)/2
       at_speed => system
       if (allocated(system%speed_loads)) then
          ! The balance takes the mean torques at the speed.
          own = system
          at_speed => own
       end if
-      call balance%setup(at_speed, highest, motion%period, 0, repeats=repetitions_of(system, motion))
-      ! A set that a branch chose may have harmonics that are sums of more excited ones than are needed elsewhere.
-      carried = [(any(abs(motion%coefficients(2*k:2*k + 1, :)) > 0), k=1, highest)]
-      if (any(carried)) carried(balance%harmonic) = .true.
-      if (count(carried) > size(balance%harmonic)) &
-         call balance%setup(at_speed, highest, motion%period, 0, pack([(k, k=1, highest)], carried), repetitions_of(system, motion))
-      allocate (u(balance%block, balance%unknowns), amplitudes(system%elements, size(balance%harmonic)))
+      call setup_for_motion(balance, at_speed, motion)
+      allocate (u(balance%block, balance%unknowns), source=0.0_dp)
+      allocate (amplitudes(system%elements, size(balance%harmonic)))
       do i = 1, balance%unknowns
          u(1, i) = motion%coefficients(1, balance%mesh(i))
          do k = 1, size(balance%harmonic)
             associate (r => balance%harmonic(k))
-               u(2*k:2*k + 1, i) = motion%coefficients(2*r:2*r + 1, balance%mesh(i))
+               if (2*r < size(motion%coefficients, 1)) u(2*k:2*k + 1, i) = motion%coefficients(2*r:2*r + 1, balance%mesh(i))
             end associate
          end do
       end do

@@ -1,6 +1,7 @@
 !> A motion as a solution of the balance with its own harmonics, and dS/du there, bordered and factored.
 module geartrain_trace_linearized_motion
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_balance_of_motion, only: harmonics_of, setup_for_motion
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_needed_harmonics, only: needed_harmonics
    use geartrain_balance_repetition, only: repetitions_of
@@ -45,17 +46,17 @@ contains
       !> A periodic motion with its coefficients.
       type(motion_type), intent(in) :: motion
       integer, allocatable :: carried(:)
-      integer :: k, highest, repeats
+      integer :: highest, repeats
 
       highest = max(1, (size(motion%coefficients, 1) - 1)/2)
-      carried = pack([(k, k=1, highest)], [(any(abs(motion%coefficients(2*k:2*k + 1, :)) > 0), k=1, highest)])
+      carried = harmonics_of(motion)
       repeats = repetitions_of(system, motion)
       ! Of many harmonics only those that the motion has: the rest of a set is not carried.
       if (size(carried) > 0 .and. motion%period == 1 .and. repeats == system%excitation_order .and. &
           size(needed_harmonics(system, highest)) > most_explicit) then
          call balance%setup(system, highest, motion%period, 0, carried, repeats)
       else
-         call balance%setup(system, highest, motion%period, 0, repeats=repeats)
+         call setup_for_motion(balance, system, motion)
       end if
    end subroutine prepare_balance
 
