@@ -68,7 +68,8 @@ contains
       end do
    end subroutine states_of_sets
 
-   !> A branch ends where many of its motions have errors above a tenth; those of a trace from its other end do not count.
+   !> A branch ends after twenty motions with an error above 0.1, or five in a long period. Motions of the trace from the other end
+   !> are not counted.
    subroutine out_of_reach(tests)
       class(tests_type), intent(inout) :: tests
       type(branch_type) :: branch

@@ -40,6 +40,7 @@ module geartrain_balance_balance
       procedure, private :: evaluate_at
       procedure :: mean_matrix
       procedure :: mean_product
+      procedure :: residual_change
    end type balance_type
 
 contains
@@ -234,12 +235,26 @@ contains
       !> Change of the residual [1], (block, unknown).
       real(dp), intent(out) :: s(:, :)
       real(dp) :: force(self%block, self%unknowns)
-      complex(dp) :: total
-      integer :: i, k, n
+      integer :: i
 
       do i = 1, self%unknowns
          call self%tangent_product(i, x(:, i), force(:, i))
       end do
+      call self%residual_change(x, force, s)
+   end subroutine apply
+
+   !> Change of the residual by a change of the coefficients and of the forces.
+   pure subroutine residual_change(self, x, force, s)
+      class(balance_type), intent(in) :: self
+      !> Change of the coefficients [1], (block, unknown).
+      real(dp), intent(in) :: x(:, :)
+      !> Change of the coefficients of the forces [1], (block, unknown).
+      real(dp), intent(in) :: force(:, :)
+      !> Change of the residual [1], (block, unknown).
+      real(dp), intent(out) :: s(:, :)
+      complex(dp) :: total
+      integer :: i, k, n
+
       call self%mean_product(force(1, :), x(1, :), s(1, :))
       do k = 1, size(self%harmonic)
          associate (h => self%receptance(k)%h, graph => self%system%cut%graph)
@@ -255,7 +270,7 @@ contains
             end do
          end associate
       end do
-   end subroutine apply
+   end subroutine residual_change
 
    !> dS/du and, as the border column, dS/dLambda at the last `evaluate`, mean and explicit harmonics only.
    subroutine jacobian(self, matrix)

@@ -1,5 +1,5 @@
-!> A balance that carries all harmonics of a motion: a set that a branch chose may have some that only sums of more excited ones
-!> reach than are needed where nobody chooses.
+!> A balance that carries all harmonics of a motion. A set of harmonics that a branch chose may have some that `needed_harmonics`
+!> leaves out.
 module geartrain_balance_balance_of_motion
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_motion, only: motion_type
@@ -22,7 +22,8 @@ contains
       harmonic = pack([(k, k=1, highest)], [(any(abs(motion%coefficients(2*k:2*k + 1, :)) > 0), k=1, highest)])
    end function harmonics_of
 
-   !> Prepares a balance of exact coefficients with the harmonics that the excitation reaches and those of the motion.
+   !> Prepares a balance with exact coefficients. It carries the harmonics that the excitation reaches and all harmonics of the
+   !> motion.
    subroutine setup_for_motion(balance, system, motion)
       type(balance_type), intent(inout) :: balance
       type(system_type), pointer, intent(in) :: system

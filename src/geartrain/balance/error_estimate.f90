@@ -47,7 +47,7 @@ module geartrain_balance_error_estimate
       logical :: doubtful = .false.
       !> Root of the sum of squares of the amplitudes above harmonic r of all unknown meshes [1], (0:near*highest).
       real(dp), allocatable :: remainder(:)
-      !> Number of harmonics in the tail; highest index of the spectra.
+      !> Number of harmonics in the tail.
       integer :: count = 0
       !> Harmonics of Lambda/eta in the tail; their amplitudes [1], (tail, unknown).
       integer, allocatable :: harmonic(:)

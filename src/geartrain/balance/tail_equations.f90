@@ -145,8 +145,8 @@ contains
 
    end subroutine driven_forces
 
-   !> Further forces at the tail [1], (tail, unknown), by a change of the carried harmonics and by the tail itself, but for those of
-   !> its displacements by the mean stiffness.
+   !> Forces at the tail that follow from a change of the carried harmonics and from the displacements of the tail. The part by the
+   !> mean stiffness is left out, because `displacements` has it in its matrix.
    subroutine own_forces(self, balance, change, tail, force)
       class(tail_equations_type), intent(inout) :: self
       !> The balance, evaluated at the motion.
@@ -218,8 +218,7 @@ contains
       !> The change.
       real(dp), intent(out) :: correction(:, :)
       real(dp) :: d_phi(balance%block, balance%unknowns), integral(balance%block)
-      complex(dp) :: total
-      integer :: i, k, n
+      integer :: i, k
 
       do i = 1, balance%unknowns
          call at_kept(self%spectra(i)%stiffness(:self%reach), d_phi(:, i))
@@ -232,20 +231,8 @@ contains
             end associate
          end do
       end do
-      call balance%mean_product(-d_phi(1, :), 0*d_phi(1, :), correction(1, :))
-      associate (graph => balance%system%cut%graph)
-         do i = 1, balance%unknowns
-            do k = 1, size(balance%harmonic)
-               total = 0
-               do n = graph%row(i), graph%row(i + 1) - 1
-                  total = total - balance%receptance(k)%h(graph%entry(n)) &
-                          *cmplx(d_phi(2*k, graph%column(n)), -d_phi(2*k + 1, graph%column(n)), dp)
-               end do
-               correction(2*k, i) = total%re
-               correction(2*k + 1, i) = -total%im
-            end do
-         end do
-      end associate
+      call balance%residual_change(0*d_phi, d_phi, correction)
+      correction = -correction
 
    contains
 

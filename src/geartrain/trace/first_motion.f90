@@ -373,7 +373,8 @@ contains
       tracer%settings%harmonics = tracer%corrector%balance%highest
       tracer%shows = .false.
       tracer%estimate%mesh = [(0.0_dp, i=1, tracer%system%meshes)]
-      if (tracer%corrector%balance%has_long_period()) tracer%settings%max_points = most_points_of_long
+      if (tracer%corrector%balance%has_long_period()) &
+         tracer%settings%max_points = min(tracer%settings%max_points, most_points_of_long)
       call tracer%corrector%orient(solution, merge(1, -1, to > from))
       call tracer%recorder%setup(tracer%corrector%balance, .false., way)
       call tracer%record(solution, way)

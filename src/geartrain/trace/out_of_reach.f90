@@ -21,7 +21,7 @@ contains
       type(branch_type), intent(in) :: branch
       !> The tolerance [1].
       real(dp), intent(in) :: tolerance
-      !> Whether the period is that of hunting teeth.
+      !> The period is long, as of hunting teeth.
       logical, intent(in) :: long
       !> The reason.
       type(words_type), allocatable, intent(out) :: reason
