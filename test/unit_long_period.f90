@@ -83,7 +83,7 @@ contains
       call tests%is_true(ends(41, .true.) .and. .not. ends(40, .true.), 'five motions of hunting teeth')
       branch%error_estimate = 2e-3_dp
       branch%segment = 1
-      call tests%is_true(ends(40, .true.) .and. .not. (ends(39, .true.) .or. ends(60, .false.)), 'forty missed by little')
+      call tests%is_true(ends(25, .true.) .and. .not. (ends(24, .true.) .or. ends(60, .false.)), 'twenty-five missed by little')
 
    contains
 

@@ -2,7 +2,7 @@
 !> begins with the last state of the frequency before; and to a steady motion at one frequency.
 module geartrain_analyses_integration
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
-   use geartrain_analyses_steady_motion, only: check_start, find_steady, need_to_find
+   use geartrain_analyses_steady_motion, only: check_start, find_steady, time_before, need_to_find
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_words
    use geartrain_base_checker, only: checker_type
@@ -269,7 +269,7 @@ contains
       if (present(start)) then
          call check_start(system, start, error)
          if (allocated(error)) return
-         call state_of(system, start, state)
+         call state_of(system, start, state, -frequency_ratio*time_before(system, frequency_ratio, settings))
       end if
       call find_steady(system, frequency_ratio, settings, state, motion, observer, stopped)
       if (stopped .or. system%interrupt%raised()) then

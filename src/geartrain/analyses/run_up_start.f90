@@ -11,7 +11,7 @@ module geartrain_analyses_run_up_start
    use geartrain_flow_ramped_flow, only: run_up_type
    use geartrain_flow_settling, only: need_to_settle, settle
    use geartrain_flow_start_state, only: resting_state, state_of
-   use geartrain_flow_time_constants, only: negligible, settle_by_time, settled_type
+   use geartrain_flow_time_constants, only: negligible, settle_by_time, settled_type, settling_time
    use geartrain_flow_window, only: goes_by_windows
    use geartrain_network_system, only: system_type
    implicit none (type, external)
@@ -44,24 +44,28 @@ contains
       type(integration_settings_type) :: settling
       type(settled_type) :: settled
       type(motion_type) :: motion
+      !> Time of settling before phase 0 [1].
+      real(dp) :: before
       real(dp) :: state(system%states)
       logical :: unbounded
 
       stopped = .false.
       unbounded = .false.
+      before = 0
+      if (max_periods > 0 .and. goes_by_windows(system, 0)) before = settling_time(system, frequency_ratio, max_periods)
       state = resting_state(system)
       if (present(start)) then
          call check_start(system, start, error)
          if (allocated(error)) return
-         call state_of(steady, start, state)
+         call state_of(steady, start, state, -frequency_ratio*before)
          state = state + shift
       end if
-      if (max_periods > 0 .and. goes_by_windows(system, 0) .and. any(system%friction > 0)) then
+      if (before > 0 .and. any(system%friction > 0)) then
          call fatal(error, 'run up: friction_torque: must be 0 where the train settles by its time constants, as its common period &
             &is long: these are time constants without friction; begin without settling, max_periods = 0')
          return
       end if
-      if (max_periods > 0 .and. goes_by_windows(system, 0)) then
+      if (before > 0) then
          call settle_by_time(system, frequency_ratio, max_periods, state, settled, observer)
          stopped = settled%stopped
          unbounded = settled%unbounded

@@ -13,12 +13,12 @@ module geartrain_analyses_steady_motion
    use geartrain_flow_orbit, only: memory_to_measure
    use geartrain_flow_section_trend, only: section_trend_type
    use geartrain_flow_settling, only: need_to_settle, settle
-   use geartrain_flow_time_constants, only: find_in_window
+   use geartrain_flow_time_constants, only: find_in_window, settling_time
    use geartrain_flow_window, only: goes_by_windows, window_of
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: check_start, find_steady, need_to_find
+   public :: check_start, find_steady, need_to_find, time_before
 
 contains
 
@@ -51,7 +51,7 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> Settings, of which the range is not used.
       type(integration_settings_type), intent(in) :: settings
-      !> Start, then state of the motion [1], (state) at phase 0.
+      !> State to begin with, `time_before` phase 0, then that of the motion at phase 0 [1], (state).
       real(dp), intent(inout) :: state(:)
       !> The motion; period 0: none found. A motion that grows without bound has a state, but neither coefficients nor figures.
       type(motion_type), intent(out) :: motion
@@ -68,6 +68,18 @@ contains
          stopped = stopped .or. system%interrupt%raised()
       end if
    end subroutine find_steady
+
+   !> Time before phase 0 at which settling begins [1]: 0 where it goes from period to period.
+   real(dp) function time_before(system, frequency_ratio, settings)
+      type(system_type), intent(in) :: system
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      type(integration_settings_type), intent(in) :: settings
+
+      time_before = 0
+      if (goes_by_windows(system, settings%window)) &
+         time_before = settling_time(system, frequency_ratio, settings%max_periods)
+   end function time_before
 
    !> Adds Lyapunov exponent and kind to a motion without a period, unless the motion grew without bound.
    subroutine add_exponent(system, settings, motion, observer)

@@ -3,7 +3,7 @@ module geartrain_balance_error_estimate
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
    use geartrain_balance_tail_equations, only: tail_equations_type
-   use geartrain_balance_tail_harmonics, only: far, near, tail_harmonics
+   use geartrain_balance_tail_harmonics, only: busiest, far, near, tail_harmonics
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_least_residual, only: least_residual_type
@@ -20,10 +20,13 @@ module geartrain_balance_error_estimate
    !> error at constant Lambda falls only with the root of the shift of the fold.
    real(dp), parameter :: steepest = 0.05_dp
 
+   !> Root of the sum of squares of the amplitudes that the tail of a chosen set leaves out, over that of all [1]: of 600,000
+   !> amplitudes of hunting teeth that part 1,000 are above it.
+   real(dp), parameter :: negligible = 1e-3_dp
    !> Residual to which the harmonics of a tail are coupled, relative to the tail without [1]; highest number of vectors for it, and
-   !> of the amplitudes of a vector: the tails of hunting teeth have half a million.
+   !> of the amplitudes of a vector.
    real(dp), parameter :: coupled = 0.3_dp
-   integer, parameter :: most_vectors = 12, most_coupled = 20000
+   integer, parameter :: most_vectors = 24, most_coupled = 20000
 
    !> Relative accuracy of iterative solutions for the estimate [1]; least amplitude of a mesh to which its error is relative, over
    !> that of all meshes [1].
@@ -85,8 +88,8 @@ contains
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale, own
       complex(dp), allocatable :: force(:, :)
       integer :: i
-      !> Harmonics left out may excite linear meshes; the harmonics of the tail are coupled as far as they need.
-      logical :: condensed, settled
+      !> Harmonics left out may excite linear meshes; few harmonics of the tail matter; they are coupled as far as they need.
+      logical :: condensed, sparse, settled
 
       estimate%relative = 0
       estimate%limited = 0
@@ -110,18 +113,22 @@ contains
          estimate%doubtful = estimate%relative > large
          return
       end if
-      associate (n => estimate%count, tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic)
-         call estimate%equations%take(balance, frequency_ratio, harmonic(:n), .not. matrix%solves_in_time())
+      sparse = balance%chosen .and. balance%parts() .and. .not. matrix%solves_in_time()
+      condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
+      associate (tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic(:estimate%count))
+         call estimate%equations%take(balance, frequency_ratio, harmonic, .not. matrix%solves_in_time())
          call estimate%equations%driven_forces(balance, u, tail)
-         condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
          if (condensed) force = tail
          call estimate%equations%displacements(balance, .true., tail)
+      end associate
+      if (sparse) call keep_large()
+      associate (n => estimate%count, tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic)
          settled = .true.
          if (matrix%solves_in_time()) then
             call matrix%solve_tail(balance, harmonic(:n), tail, correction, y)
          else
             call carry(tail, .true.)
-            if (balance%chosen .and. balance%parts()) call couple(tail)
+            if (sparse) call couple(tail)
          end if
          call find_remainder(balance, u, harmonic(:n), tail, estimate%remainder)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
@@ -146,6 +153,25 @@ contains
       end associate
 
    contains
+
+      !> Leaves the many small amplitudes of a tail out, unless linear meshes are excited at their harmonics.
+      subroutine keep_large()
+         real(dp) :: square(estimate%count)
+         logical :: kept(estimate%count)
+         integer, allocatable :: rows(:)
+         integer :: m, n
+
+         n = estimate%count
+         square = sum(estimate%tail(:n, :)%re**2 + estimate%tail(:n, :)%im**2, 2)
+         kept = busiest(square, negligible**2*sum(square), n)
+         if (condensed) kept = kept .or. [(any(balance%left_out == estimate%harmonic(m)), m=1, n)]
+         rows = pack([(m, m=1, n)], kept)
+         if (size(rows) == 0) return
+         call estimate%equations%keep(balance, rows)
+         estimate%tail(:size(rows), :) = estimate%tail(rows, :)
+         if (condensed) force = force(rows, :)
+         call put(estimate%harmonic(rows))
+      end subroutine keep_large
 
       !> Correction of the carried harmonics by a tail.
       subroutine carry(tail, whole)

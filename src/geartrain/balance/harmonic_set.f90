@@ -3,6 +3,7 @@
 module geartrain_balance_harmonic_set
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_error_estimate, only: error_estimate_type
+   use geartrain_balance_tail_harmonics, only: busiest
    use geartrain_base_kinds, only: dp
    use geartrain_network_excitation, only: excited_harmonics, reach_of_sources
    use geartrain_network_system, only: system_type
@@ -14,8 +15,6 @@ module geartrain_balance_harmonic_set
    integer, parameter :: lowest_sparse = 6
    !> A set grows to at most twice its size, and by `least_growth` anyhow: the tail beyond is known to first order only.
    integer, parameter :: least_growth = 24
-   !> Steps of bisection for the least amplitude of a set: a factor of 2 in 2**64 within 3e-3.
-   integer, parameter :: halvings = 14
 
 contains
 
@@ -88,30 +87,6 @@ contains
       call carry_sources(balance%system, carried)
       harmonic = pack([(r, r=1, size(carried))], carried)
    end function next_set
-
-   !> Which harmonics have the largest amplitudes.
-   pure function busiest(square, left, most) result(carried)
-      !> Squared amplitude of every harmonic [1], (harmonic); sum of the squares that may be left out.
-      real(dp), intent(in) :: square(:), left
-      !> Most harmonics.
-      integer, intent(in) :: most
-      logical :: carried(size(square))
-      real(dp) :: above, below, middle
-      integer :: i
-
-      ! Between `below`, above which there are too many or leave out no more than is allowed, and `above`.
-      above = 2*maxval([tiny(left), square])
-      below = 2.0_dp**(-128)*above
-      do i = 1, halvings
-         middle = sqrt(above*below)
-         if (sum(square, square <= middle) > left .and. count(square > middle) < most) then
-            above = middle
-         else
-            below = middle
-         end if
-      end do
-      carried = square > merge(below, above, count(square > below) <= most)
-   end function busiest
 
    !> Adds the sources of excitation, because a linear mesh moves at the carried harmonics only.
    pure subroutine carry_sources(system, carried)

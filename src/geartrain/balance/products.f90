@@ -186,11 +186,11 @@ contains
       call wide%to_coefficients()
    end subroutine multiply
 
-   !> Complex amplitudes of the product at harmonics that are not carried, without the product with the mean.
+   !> Complex amplitudes of the product at some harmonics, without the product with the mean.
    pure subroutine driven(kept, harmonic, w, u, product)
-      !> Carried harmonics; harmonics of the product.
+      !> Harmonics of the motion, ascending; harmonics of the product.
       integer, intent(in) :: kept(:), harmonic(:)
-      !> Two-sided coefficients of the function, (0:).
+      !> Two-sided coefficients of the function, (0:); those beyond count as 0.
       complex(dp), intent(in) :: w(0:)
       !> Coefficients of the motion, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
@@ -198,15 +198,21 @@ contains
       complex(dp), intent(out) :: product(:)
       complex(dp) :: difference, total
       real(dp) :: re, im
-      integer :: k, m
+      integer :: k, m, within
 
       do m = 1, size(harmonic)
          re = 0
          im = 0
+         within = size(kept)
+         do while (within > 0)
+            if (harmonic(m) + kept(within) <= ubound(w, 1)) exit
+            within = within - 1
+         end do
          do k = 1, size(kept)
             difference = w(abs(harmonic(m) - kept(k)))
             if (harmonic(m) < kept(k)) difference%im = -difference%im
-            total = w(harmonic(m) + kept(k))
+            total = 0
+            if (k <= within) total = w(harmonic(m) + kept(k))
             re = re + (difference%re + total%re)*u(2*k) + (difference%im - total%im)*u(2*k + 1)
             im = im + (difference%im + total%im)*u(2*k) + (total%re - difference%re)*u(2*k + 1)
          end do

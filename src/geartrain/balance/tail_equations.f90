@@ -33,6 +33,7 @@ module geartrain_balance_tail_equations
    contains
       procedure :: reserve
       procedure :: take
+      procedure :: keep
       procedure :: driven_forces
       procedure :: own_forces
       procedure :: displacements
@@ -82,7 +83,7 @@ contains
       do i = 1, balance%unknowns
          call balance%contact(i)%extend(self%spectra(i), self%reach)
       end do
-      self%direct = balance%is_direct() .and. real(n, dp)*size(balance%harmonic) < sums_for_sample*self%reach
+      self%direct = sums_are_less(self, balance, size(balance%harmonic))
       ! Room for the product of the spectra with the motion or the tail without aliases.
       if (.not. self%direct) call self%wide%plan(transform_length(2*self%reach + 1))
       associate (graph => balance%system%cut%graph)
@@ -102,6 +103,33 @@ contains
          end do
       end associate
    end subroutine take
+
+   !> Leaves all but some harmonics of the tail out.
+   pure subroutine keep(self, balance, rows)
+      class(tail_equations_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      !> Numbers of the harmonics that stay, ascending, at least one.
+      integer, intent(in) :: rows(:)
+      integer :: m
+
+      self%harmonic = self%harmonic(rows)
+      ! No row is overwritten before it has moved.
+      do m = 1, size(rows)
+         self%h(:, m) = self%h(:, rows(m))
+         self%factors(:, m) = self%factors(:, rows(m))
+         self%excitation(:, m) = self%excitation(:, rows(m))
+      end do
+      self%direct = sums_are_less(self, balance, size(balance%harmonic))
+   end subroutine keep
+
+   !> Whether products with functions of this many harmonics cost less as sums than by FFT.
+   pure logical function sums_are_less(self, balance, harmonics)
+      class(tail_equations_type), intent(in) :: self
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: harmonics
+
+      sums_are_less = balance%is_direct() .and. real(size(self%harmonic), dp)*harmonics < sums_for_sample*self%reach
+   end function sums_are_less
 
    !> Forces at the tail by the carried harmonics [1], (tail, unknown).
    subroutine driven_forces(self, balance, u, force)
@@ -157,28 +185,50 @@ contains
       complex(dp), intent(in) :: tail(:, :)
       !> Complex amplitudes [1], (tail, unknown).
       complex(dp), intent(out) :: force(:, :)
-      real(dp), allocatable :: wave(:)
+      real(dp) :: coefficients(1 + 2*size(tail, 1))
+      complex(dp) :: product(size(tail, 1))
       integer :: i
 
-      call self%wide%plan(transform_length(2*self%reach + 1))
+      coefficients(1) = 0
       do i = 1, balance%unknowns
-         associate (spectra => self%spectra(i), harmonic => self%harmonic, wide => self%wide)
-            wide%coefficient = 0
-            wide%coefficient(1) = change(1, i)
-            wide%coefficient(balance%harmonic + 1) = cmplx(change(2::2, i), -change(3::2, i), dp)/2
-            wide%coefficient(harmonic + 1) = tail(:, i)/2
-            call wide%to_samples()
-            wave = wide%sample
-            call multiply(wide, spectra%stiffness(:self%reach))
-            force(:, i) = 2*wide%coefficient(harmonic + 1)
+         associate (spectra => self%spectra(i), harmonic => self%harmonic)
+            coefficients(2::2) = tail(:, i)%re
+            coefficients(3::2) = -tail(:, i)%im
+            call at_tail(spectra%stiffness(:self%reach), force(:, i))
             force(:, i) = force(:, i) - real(spectra%stiffness(0), dp)*tail(:, i)
             if (.not. balance%contact(i)%law%jumps) cycle
-            wide%sample = wave
-            call multiply(wide, spectra%damping(:self%reach))
+            call at_tail(spectra%damping(:self%reach), product)
             force(:, i) = force(:, i) + cmplx(0, self%frequency_ratio/balance%eta, dp)*harmonic &
-                          *(2*wide%coefficient(harmonic + 1) - real(spectra%damping(0), dp)*tail(:, i))
+                          *(product - real(spectra%damping(0), dp)*tail(:, i))
          end associate
       end do
+
+   contains
+
+      !> Product of a function, given by its coefficients w, with the change and the tail of unknown mesh i, at the tail.
+      subroutine at_tail(w, product)
+         complex(dp), intent(in) :: w(0:)
+         complex(dp), intent(out) :: product(:)
+         complex(dp) :: by_change(size(product))
+         real(dp), allocatable :: wave(:)
+
+         associate (harmonic => self%harmonic)
+            if (sums_are_less(self, balance, size(harmonic) + size(balance%harmonic))) then
+               call driven(harmonic, harmonic, w, coefficients, product)
+               call driven(balance%harmonic, harmonic, w, change(:, i), by_change)
+               product = product + by_change + 2*change(1, i)*w(harmonic)
+            else
+               call self%wide%plan(transform_length(2*self%reach + 1))
+               call sample(change(:, i), balance%harmonic, self%wide)
+               wave = self%wide%sample
+               call sample(coefficients, harmonic, self%wide)
+               self%wide%sample = self%wide%sample + wave
+               call multiply(self%wide, w)
+               product = 2*self%wide%coefficient(harmonic + 1)
+            end if
+         end associate
+      end subroutine at_tail
+
    end subroutine own_forces
 
    !> Replaces forces at the tail by the displacements of the tail, (tail, unknown).

@@ -4,7 +4,7 @@ module geartrain_balance_tail_harmonics
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: far, near, resonance_ratio, tail_harmonics
+   public :: busiest, far, near, resonance_ratio, tail_harmonics
 
    !> The tail has the harmonics up to `near` times the highest carried harmonic, and up to `far` times the highest carried harmonic
    !> those near a natural frequency: within these ratios to a natural frequency of the train in contact, which separation lowers.
@@ -12,6 +12,9 @@ module geartrain_balance_tail_harmonics
    real(dp), parameter :: lowest_resonance = 0.7_dp, highest_resonance = 1.15_dp
    !> Natural frequencies nearer to each other than this ratio have a range of harmonics near them in common.
    real(dp), parameter :: resonance_ratio = highest_resonance/lowest_resonance
+
+   !> Steps of bisection for the least amplitude of a set: a factor of 2 in 2**64 within 3e-3.
+   integer, parameter :: halvings = 14
 
 contains
 
@@ -79,5 +82,29 @@ contains
       end subroutine mark
 
    end function driven_harmonics
+
+   !> Which harmonics have the largest amplitudes.
+   pure function busiest(square, left, most) result(carried)
+      !> Squared amplitude of every harmonic [1], (harmonic); sum of the squares that may be left out.
+      real(dp), intent(in) :: square(:), left
+      !> Most harmonics.
+      integer, intent(in) :: most
+      logical :: carried(size(square))
+      real(dp) :: above, below, middle
+      integer :: i
+
+      ! Between `below`, above which there are too many or leave out no more than is allowed, and `above`.
+      above = 2*maxval([tiny(left), square])
+      below = 2.0_dp**(-128)*above
+      do i = 1, halvings
+         middle = sqrt(above*below)
+         if (sum(square, square <= middle) > left .and. count(square > middle) < most) then
+            above = middle
+         else
+            below = middle
+         end if
+      end do
+      carried = square > merge(below, above, count(square > below) <= most)
+   end function busiest
 
 end module geartrain_balance_tail_harmonics

@@ -13,7 +13,7 @@ module geartrain_floquet_growth
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: neutral
    use geartrain_linalg_lapack, only: dgemm
-   use geartrain_network_excitation, only: excited_harmonics
+   use geartrain_network_excitation, only: excited_harmonics, highest_order, nearest_return
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -67,7 +67,7 @@ contains
       confirmed = .true.
       cycles = first_cycles
       do while (growth%time < period)
-         time = cycle*nearest_return(motion%system, cycles)
+         time = cycle*nearest_return(motion%system, cycles, cycles + cycles/2)
          if (time > almost_whole*period) time = period
          call monodromy%integrate_from(motion, frequency_ratio, growth%time, time - growth%time)
          confirmed = confirmed .and. monodromy%confirmed
@@ -130,30 +130,5 @@ contains
       slowest_beat = 1
       if (size(harmonic) > 0) slowest_beat = minval(harmonic - [0, harmonic(:size(harmonic) - 1)])
    end function slowest_beat
-
-   !> Frequency of the fastest mesh over Lambda [1].
-   pure real(dp) function highest_order(system)
-      type(system_type), intent(in) :: system
-
-      highest_order = maxval([1.0_dp, system%law%order])
-   end function highest_order
-
-   !> A number of cycles of the fastest mesh, from `least` to half as many again, after which the other meshes stand most nearly
-   !> where they stood.
-   pure integer function nearest_return(system, least) result(cycles)
-      type(system_type), intent(in) :: system
-      integer, intent(in) :: least
-      real(dp) :: turns(system%meshes), off, nearest
-      integer :: k
-
-      nearest = huge(nearest)
-      cycles = least
-      do k = least, least + least/2
-         turns = k*system%law%order/highest_order(system)
-         off = sum((turns - anint(turns))**2)
-         if (off < nearest) cycles = k
-         nearest = min(nearest, off)
-      end do
-   end function nearest_return
 
 end module geartrain_floquet_growth

@@ -29,39 +29,48 @@ contains
       end do
    end function resting_state
 
-   !> State of a motion at time 0: `motion%state` where it is allocated, else from the coefficients.
-   subroutine state_of(system, motion, state)
+   !> State of a motion: `motion%state` where it is allocated, which is that at time 0, else from the coefficients.
+   subroutine state_of(system, motion, state, begin)
       type(system_type), intent(in) :: system
       !> Motion with a state or with coefficients.
       type(motion_type), intent(in) :: motion
-      !> State at time 0 [1], (state).
+      !> The state [1], (state).
       real(dp), intent(out) :: state(:)
-      real(dp) :: states(size(state), 1)
+      !> The instant, where the coefficients tell it [rad of the fundamental]; absent: 0.
+      real(dp), intent(in), optional :: begin
+      real(dp) :: states(size(state), 1), first
 
       if (allocated(motion%state)) then
          state = motion%state
          return
       end if
-      call states_of(system, motion, states)
+      first = 0
+      if (present(begin)) first = begin/motion%period
+      call states_of(system, motion, states, first)
       state = states(:, 1)
    end subroutine state_of
 
-   !> States of a motion at equidistant instants of its period from time 0 on, from its coefficients. The twists of shafts follow
-   !> from the mesh forces.
-   subroutine states_of(system, motion, states)
+   !> States of a motion at equidistant instants of its period, from its coefficients. The twists of shafts follow from the mesh
+   !> forces.
+   subroutine states_of(system, motion, states, begin)
       type(system_type), target, intent(in) :: system
       !> Motion with coefficients.
       type(motion_type), intent(in) :: motion
       !> States [1], (state, instant).
       real(dp), intent(out) :: states(:, :)
+      !> The first instant [rad of the period]; absent: 0.
+      real(dp), intent(in), optional :: begin
       type(balance_type) :: balance
       type(system_type), target, allocatable :: own
       type(system_type), pointer :: at_speed
       real(dp), allocatable :: u(:, :)
       complex(dp), allocatable :: amplitudes(:, :), turned(:)
       real(dp) :: mean(system%elements)
+      real(dp) :: first
       integer :: i, k
 
+      first = 0
+      if (present(begin)) first = modulo(begin, 2*pi)
       at_speed => system
       if (allocated(system%speed_loads)) then
          ! The balance takes the mean torques at the speed.
@@ -92,7 +101,7 @@ contains
       end do
       mean(system%cut%element) = u(1, :)
       do i = 1, size(states, 2)
-         associate (phase => 2*pi*(i - 1)/size(states, 2), state => states(:, i), d => system%displacements)
+         associate (phase => first + 2*pi*(i - 1)/size(states, 2), state => states(:, i), d => system%displacements)
             state = 0
             state(:d) = mean(:d)
             do k = 1, size(balance%harmonic)

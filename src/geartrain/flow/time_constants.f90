@@ -6,10 +6,12 @@
 !> one is told beside the figures.
 !>
 !> Settling begins before phase 0, so that it ends there. The figures are then those of a window from phase 0 on
-!> (geartrain_flow_window), with what a longer window would change (geartrain_flow_uncertainty).
+!> (geartrain_flow_window), with what a longer window would change (geartrain_flow_uncertainty). Settling takes a time
+!> after which all meshes stand nearly where they stood: a state of phase 0, as that of the point before in a sweep, is nearly on
+!> its orbit at the beginning too.
 module geartrain_flow_time_constants
    use geartrain_balance_motion, only: motion_type
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
    use geartrain_flow_bound, only: bound_type
    use geartrain_flow_disturbance, only: disturb
@@ -20,15 +22,19 @@ module geartrain_flow_time_constants
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
    use geartrain_flow_slow_modes, only: slow_modes_type, stretches
    use geartrain_flow_window, only: cycle_time, window_of
+   use geartrain_network_excitation, only: highest_order, nearest_return
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: find_in_window, negligible, settle_by_time, settled_type
+   public :: find_in_window, negligible, settle_by_time, settled_type, settling_time
 
    !> Limits of the time to settle [cycles of the slowest mesh].
    integer, parameter :: fewest_cycles = 50, most_cycles = 1000
    !> What may be left of slow free vibrations of a motion that has settled, over its alternating displacement [1].
    real(dp), parameter :: negligible = 1e-3_dp
+
+   !> How much longer settling may take that the meshes return [1].
+   real(dp), parameter :: longer = 0.25_dp
 
    !> Difference of two means that is none, over the alternating displacement [1].
    real(dp), parameter :: beside = 0.02_dp
@@ -54,6 +60,40 @@ module geartrain_flow_time_constants
 
 contains
 
+   !> Time for which the flow settles [1]: it begins at minus this time.
+   real(dp) function settling_time(system, frequency_ratio, max_periods)
+      type(system_type), intent(in) :: system
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Most periods of the fundamental.
+      integer, intent(in) :: max_periods
+      type(slow_modes_type) :: slow
+
+      call find_slow_modes(system, frequency_ratio, max_periods, slow)
+      settling_time = slow%time
+   end function settling_time
+
+   !> Finds the time to settle and the modes that do not die out within it.
+   subroutine find_slow_modes(system, frequency_ratio, max_periods, slow)
+      type(system_type), intent(in) :: system
+      !> Lambda [1].
+      real(dp), intent(in) :: frequency_ratio
+      !> Most periods of the fundamental.
+      integer, intent(in) :: max_periods
+      type(slow_modes_type), intent(out) :: slow
+      real(dp) :: cycle, fastest, limit, longest
+      integer :: least, most
+
+      cycle = cycle_time(system, frequency_ratio)
+      limit = max_periods*minval(system%law%order)*cycle
+      longest = min(most_cycles*cycle, limit)
+      call slow%setup(system, min(longest, fewest_cycles*cycle), longest)
+      fastest = 2*pi/(frequency_ratio*highest_order(system))
+      least = nint(slow%time/fastest)
+      most = max(least, floor(min((1 + longer)*slow%time, limit)/fastest))
+      slow%time = fastest*nearest_return(system, least, most)
+   end subroutine find_slow_modes
+
    !> Follows the flow for some time constants, up to phase 0.
    subroutine settle_by_time(system, frequency_ratio, max_periods, state, settled, observer)
       type(system_type), target, intent(in) :: system
@@ -70,12 +110,11 @@ contains
       type(flow_type) :: flow
       type(bound_type) :: bound
       type(slow_modes_type) :: slow
-      real(dp) :: cycle, longest, limit, origin, moment(2, system%meshes), alternating(system%meshes)
+      real(dp) :: cycle, limit, origin, moment(2, system%meshes), alternating(system%meshes)
       integer :: i
 
       cycle = cycle_time(system, frequency_ratio)
-      longest = min(real(most_cycles, dp), max_periods*minval(system%law%order))*cycle
-      call slow%setup(system, min(longest, fewest_cycles*cycle), longest)
+      call find_slow_modes(system, frequency_ratio, max_periods, slow)
       settled%time = slow%time
       call bound%setup(system, frequency_ratio)
       limit = bound%limit(state)

@@ -1,11 +1,11 @@
-!> Harmonics of Lambda that excite a train: by the torques, the mesh stiffnesses and the transmission errors.
+!> Harmonics of Lambda that excite a train, by the torques, the mesh stiffnesses and the transmission errors; how its meshes turn.
 module geartrain_network_excitation
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: series_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: excited_harmonics, lowest_harmonic, reach_of_sources
+   public :: excited_harmonics, highest_order, lowest_harmonic, nearest_return, reach_of_sources
 
 contains
 
@@ -92,5 +92,30 @@ contains
       end do
       list = merged(:n)
    end subroutine merge_excited
+
+   !> Frequency of the fastest mesh over Lambda [1].
+   pure real(dp) function highest_order(system)
+      type(system_type), intent(in) :: system
+
+      highest_order = maxval([1.0_dp, system%law%order])
+   end function highest_order
+
+   !> A number of cycles of the fastest mesh after which the other meshes stand most nearly where they stood.
+   pure integer function nearest_return(system, least, most) result(cycles)
+      type(system_type), intent(in) :: system
+      !> Limits of the number.
+      integer, intent(in) :: least, most
+      real(dp) :: turns(system%meshes), off, nearest
+      integer :: k
+
+      nearest = huge(nearest)
+      cycles = least
+      do k = least, most
+         turns = k*system%law%order/highest_order(system)
+         off = sum((turns - anint(turns))**2)
+         if (off < nearest) cycles = k
+         nearest = min(nearest, off)
+      end do
+   end function nearest_return
 
 end module geartrain_network_excitation

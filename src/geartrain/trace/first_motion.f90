@@ -20,6 +20,7 @@ module geartrain_trace_first_motion
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_start, only: add_harmonics, begin_trace, motion_at, resting, solution_of
    use geartrain_trace_tracer, only: reached_end, tracer_type
+   use geartrain_trace_window_start, only: solve_in_window
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -45,7 +46,8 @@ contains
    !> - the branch over the stiffness variation, from a train whose stiffness hardly varies;
    !> - an orbit, stable or not, near the flow from rest;
    !> - the branch of such an orbit at another Lambda.
-   !> A motion of long period, which takes minutes to fly over, is not looked for in flights. Where the motions of the branch repeat
+   !> A motion of long period, which takes minutes to fly over, is not looked for in flights, but first by integration over a window.
+   !> Where the motions of the branch repeat
    !> themselves within the period of the fundamental, flights are those of the train with divided orders: over the whole period
    !> they also come to motions that do not repeat themselves, which are none of the branch.
    recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
@@ -84,6 +86,10 @@ contains
       call tracer%corrector%solve_at(solution, success)
       if (success) return
       flies = .not. tracer%corrector%balance%has_long_period()
+      if (tracer%chooses_sets .and. .not. flies) then
+         call solve_in_window(tracer, frequency_ratio, solution, success, stopped, observer)
+         if (success .or. stopped) return
+      end if
       settles = .false.
       if (flies) settles = decay_of_train(tracer%system) &
                            > tracer%settings%repeats*frequency_ratio/(2*pi*integration%max_periods)

@@ -11,7 +11,7 @@ module geartrain_trace_out_of_reach
 
    !> Points in a long period that may miss the tolerance; points in a long and in a short period that may have an estimate above
    !> `useless`.
-   integer, parameter :: most_missed = 40, most_useless = 5, most_useless_of_short = 20
+   integer, parameter :: most_missed = 25, most_useless = 5, most_useless_of_short = 20
    real(dp), parameter :: useless = 0.1_dp
 
 contains
