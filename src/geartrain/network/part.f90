@@ -35,6 +35,7 @@ module geartrain_network_part
       real(dp), allocatable :: gain(:, :)
    contains
       procedure :: setup
+      procedure :: has_closed_form
       procedure :: receptance
       procedure :: receptance_of_two
       procedure :: factor
@@ -76,6 +77,13 @@ contains
          self%damping(slot) = self%damping(slot) + damping(n)
       end do
    end subroutine setup
+
+   !> Whether `receptance_of_two` has its receptance.
+   pure logical function has_closed_form(self)
+      class(part_type), intent(in) :: self
+
+      has_closed_form = size(self%mass) == 1 .or. size(self%mass) == 2 .and. .not. self%grounded
+   end function has_closed_form
 
    !> Slot of two masses joined by a spring.
    pure integer function slot_of(self, i, j)
@@ -168,8 +176,7 @@ contains
       end do
    end subroutine subtract
 
-   !> Receptance in closed form of a part of one mass, or of two masses on a spring, without springs and dampers to
-   !> ground.
+   !> Receptance in closed form of a part of one mass, or of two masses on a spring without springs and dampers to ground.
    pure subroutine receptance_of_two(self, omega, alpha, d_alpha)
       class(part_type), intent(in) :: self
       !> Frequency > 0 [rad/s].
@@ -182,8 +189,13 @@ contains
       real(dp) :: square, both, product, scale
 
       if (size(self%mass) == 1) then
-         alpha = -1/(omega**2*self%mass(1))
-         if (present(d_alpha)) d_alpha = -2*alpha/omega
+         if (self%grounded) then
+            alpha = 1/cmplx(self%support(1) - omega**2*self%mass(1), omega*self%drag(1), dp)
+            if (present(d_alpha)) d_alpha = alpha**2*cmplx(2*omega*self%mass(1), -self%drag(1), dp)
+         else
+            alpha = -1/(omega**2*self%mass(1))
+            if (present(d_alpha)) d_alpha = -2*alpha/omega
+         end if
          return
       end if
       square = omega**2

@@ -52,7 +52,7 @@ contains
          do p = 1, size(cut%part)
             associate (part => cut%part(p))
                if (size(part%at) == 0) cycle
-               if (size(part%mass) > 2 .or. part%grounded) then
+               if (.not. part%has_closed_form()) then
                   call add_part(part, omega, d_omega, wanted, r)
                else
                   if (wanted) then
@@ -215,8 +215,8 @@ contains
          do k = 1, size(cut%part)
             associate (part => cut%part(k))
                if (size(part%mass) == 1 .and. .not. part%grounded) cycle
-               if (size(part%mass) == 2 .and. .not. part%grounded) then
-                  call displace_two(system, k, omega, harmonic, eta, phi, p)
+               if (part%has_closed_form()) then
+                  call displace_few(system, k, omega, harmonic, eta, phi, p)
                   cycle
                end if
                allocate (x(size(part%mass)), dx(size(part%mass)), difference(part%graph%slots))
@@ -246,8 +246,8 @@ contains
       end associate
    end subroutine linear_displacements
 
-   !> Sets the displacements of the elements of a part of two masses on a spring, in closed form.
-   pure subroutine displace_two(system, k, omega, harmonic, eta, phi, p)
+   !> Sets the displacements of the elements of a part of one mass, to ground, or of two masses on a spring, in closed form.
+   pure subroutine displace_few(system, k, omega, harmonic, eta, phi, p)
       type(system_type), intent(in) :: system
       !> Number of the part; harmonic of Lambda/eta; sub-harmonic index.
       integer, intent(in) :: k, harmonic, eta
@@ -255,7 +255,7 @@ contains
       complex(dp), intent(in) :: phi(:)
       complex(dp), intent(inout) :: p(:)
       complex(dp) :: force(2), d_force(2), difference
-      integer :: first, i, n
+      integer :: first, i
 
       associate (cut => system%cut, part => system%cut%part(k))
          force = 0
@@ -265,18 +265,34 @@ contains
                force(mass) = force(mass) - part%weight(i)*system%stiffness(cut%element(unknown))*phi(unknown)
             end associate
          end do
-         ! From -omega**2 m x = force -+ spring (x_1 - x_2); the sign is that of part%solve.
-         first = part%graph%order(1)
-         difference = (force(first)/part%mass(first) - force(3 - first)/part%mass(3 - first)) &
-                      /(cmplx(part%stiffness(1), omega*part%damping(1), dp)*sum(1/part%mass) - omega**2)
+         if (size(part%mass) == 1) then
+            difference = force(1)/cmplx(part%support(1) - omega**2*part%mass(1), omega*part%drag(1), dp)
+         else
+            ! From -omega**2 m x = force -+ spring (x_1 - x_2); the sign is that of part%solve.
+            first = part%graph%order(1)
+            difference = (force(first)/part%mass(first) - force(3 - first)/part%mass(3 - first)) &
+                         /(cmplx(part%stiffness(1), omega*part%damping(1), dp)*sum(1/part%mass) - omega**2)
+         end if
          do i = 1, size(part%element)
-            n = part%element(i)
-            p(n) = cut%scale(n)*difference
-            if (system%element_mesh(n) > 0) &
-               p(n) = p(n) + amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
+            call put(part%element(i), p)
+         end do
+         do i = 1, size(part%ground_element)
+            call put(part%ground_element(i), p)
          end do
       end associate
-   end subroutine displace_two
+
+   contains
+
+      pure subroutine put(n, p)
+         integer, intent(in) :: n
+         complex(dp), intent(inout) :: p(:)
+
+         p(n) = system%cut%scale(n)*difference
+         if (system%element_mesh(n) > 0) &
+            p(n) = p(n) + amplitude_at(system%transmission_error(system%element_mesh(n)), harmonic, eta)
+      end subroutine put
+
+   end subroutine displace_few
 
    !> Complex amplitude of a series at a harmonic of Lambda/eta; 0 where the series does not have the harmonic.
    pure complex(dp) function amplitude_at(series, harmonic, eta)
