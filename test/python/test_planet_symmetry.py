@@ -1,5 +1,8 @@
 """Symmetric planetary sets: motions are found with their images, and counted up to the symmetry of the set."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -102,3 +105,34 @@ def test_edges_of_planets_in_sequence():
     for mesh, frequency in onsets:
         # The gap of a sun mesh is 2 characteristic lengths.
         assert min(abs(motion.minimum[mesh - 1] - 2.0) for motion in branch.at(frequency)) < 1e-6
+
+
+def test_equal_planets_rattle_without_end(tmp_path):
+    """An unloaded stage whose planets meet their flanks at one instant: rounding made events without end at 1800 rpm."""
+    case = tmp_path / "stage.nml"
+    case.write_text("""
+&train speed_of = 'generator' /
+&body name = 'rotor', inertia = 825149.974780143, torque = 6440.0 /
+&body name = 'carrier', inertia = 60.0 /
+&body name = 'ring', held = .true. /
+&body name = 'sun' /
+&body name = 'wheel 2' /
+&body name = 'pinion 2' /
+&body name = 'generator', inertia = 30.279465547651203, balances = .true. /
+&shaft between = 'rotor', 'carrier', stiffness = 15746815.38781002, damping_ratio = 0.03 /
+&planetary name = 'stage 1', sun = 'sun', ring = 'ring', carrier = 'carrier', teeth = 21, 30, 81, planets = 3,
+   normal_module = 10e-3, helix_angle = 7.5, face_width = 0.230, planet_bore = 0.1, backlash = 318.01481413169677e-6,
+   damping_ratio = 0.07963708138682965, stiffness_harmonics = 3, sun_error_cos = 2.211694059141936e-05,
+   ring_error_cos = 2.211694059141936e-05 /
+&shaft between = 'sun', 'wheel 2', diameter = 0.180, length = 0.32569128440389716, damping_ratio = 0.03 /
+&mesh between = 'wheel 2', 'pinion 2', teeth = 77, 24, normal_module = 8.25e-3, helix_angle = 14.0, face_width = 0.170,
+   backlash = 250e-6, damping_ratio = 0.05, stiffness_harmonics = 3, error_cos = 1.769355247313549e-05 /
+&shaft between = 'pinion 2', 'generator', diameter = 0.110, length = 0.7123158791075201, damping_ratio = 0.03 /
+&modes /
+""")
+    call = f"""
+import geartrain as gt
+motion = gt.read_case({str(case)!r}).train.integrate(1800.0, unit="rpm", max_periods=4, window=20)
+assert motion.separation_fraction.min() > 0.1 and motion.kind != "stationary"
+"""
+    subprocess.run([sys.executable, "-W", "ignore", "-c", call], check=True, timeout=60)

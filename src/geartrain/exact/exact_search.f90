@@ -15,8 +15,9 @@ module geartrain_exact_exact_search
    private
    public :: change_at, ends_of, find_exact, guess_from_point, neighbours
 
-   !> First step and longest way along the exact branch, in the units of units_type.
-   real(dp), parameter :: first_step = 2e-4_dp, longest_way = 0.25_dp
+   !> First step along the exact branch, and the way each way that is gone anyhow, in the units of units_type: where the motions of
+   !> the branch are inaccurate, its special point may be as far away as its points on both sides are from each other.
+   real(dp), parameter :: first_step = 2e-4_dp, usual_way = 0.25_dp
    !> Least Lambda on the way over Lambda at its beginning: towards 0 the integration takes ever longer.
    real(dp), parameter :: slowest = 0.5_dp
    integer, parameter :: max_steps = 100
@@ -42,8 +43,13 @@ contains
       type(orbit_type), intent(out) :: exact
       !> Whether one was found.
       logical, intent(out) :: found
-      type(orbit_type) :: start
+      type(orbit_type) :: start, sides(2)
+      integer :: ends(2), i
 
+      ends = ends_of(branch, special)
+      do i = 1, 2
+         call guess_from_point(corrector, branch, ends(i), sides(i))
+      end do
       call stand_at(corrector, branch, special, start, found)
       corrector%watched_mesh = 0
       if (is_onset(special%kind)) corrector%watched_mesh = special%mesh
@@ -51,7 +57,8 @@ contains
       corrector%watched_stage = stage_of(special%kind)
       if (found) call corrector%correct(start, found)
       if (.not. found) return
-      call search(corrector, start, special%kind, special%multiplicity, sense_of(branch, special, change), exact, found)
+      call search(corrector, start, special%kind, special%multiplicity, sense_of(branch, special, change), &
+                  corrector%distance(sides(1), sides(2)), exact, found)
       if (.not. found .and. special%kind == 'branch point' .and. special%multiplicity > 1) &
          call search_equal(corrector, branch, special, exact, found)
       if (found .or. special%kind /= 'branch point' .or. special%multiplicity > 1) return
@@ -92,7 +99,7 @@ contains
       call corrector%point_at(ends(1), ends(2), start, way)
       found = way > 0
       if (found) call corrector%correct(start, found)
-      if (found) call search(corrector, start, special%kind, special%multiplicity, 0, exact, found)
+      if (found) call search(corrector, start, special%kind, special%multiplicity, 0, usual_way, exact, found)
       if (found) found = abs(exact%frequency_ratio/corrector%times - special%frequency_ratio) &
                          < near*corrector%units%frequency_ratio/corrector%times
    end subroutine search_equal
@@ -322,7 +329,7 @@ contains
    end function sense_of
 
    !> Finds the special point of a kind on the exact branch that is nearest to `start`.
-   subroutine search(corrector, start, kind, multiplicity, sense, exact, found)
+   subroutine search(corrector, start, kind, multiplicity, sense, way_between, exact, found)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(orbit_type), intent(in) :: start
       character(*), intent(in) :: kind
@@ -330,6 +337,8 @@ contains
       integer, intent(in) :: multiplicity
       !> Sign of the change of the test function, see `sense_of`; 0: any.
       integer, intent(in) :: sense
+      !> Distance of the points of the branch on both sides [units_type].
+      real(dp), intent(in) :: way_between
       type(orbit_type), intent(inout) :: exact
       logical, intent(out) :: found
       type(orbit_type) :: side(2), next
@@ -375,7 +384,7 @@ contains
             end if
          end if
          way(k) = way(k) + step(k)
-         open_end(k) = way(k) < longest_way .and. next%frequency_ratio > slowest*start%frequency_ratio
+         open_end(k) = way(k) < max(usual_way, way_between) .and. next%frequency_ratio > slowest*start%frequency_ratio
          step(k) = 1.5_dp*step(k)
          side(k) = next
       end do

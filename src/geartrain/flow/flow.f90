@@ -18,8 +18,10 @@ module geartrain_flow_flow
    private
    public :: flow_type
 
-   !> Most successive events at one instant besides one of each mesh; the next event is passed over.
+   !> Most successive events at one instant besides one of each mesh; the next event is passed over. Distance of events of one
+   !> instant, as of equal planets, over a step without events: rounding.
    integer, parameter :: most_stuck = 3
+   real(dp), parameter :: at_once = 1e-10_dp
 
    type :: flow_type
       !> The train.
@@ -175,12 +177,13 @@ contains
       class(flow_type), intent(inout) :: self
       !> Time that the step must not pass [1].
       real(dp), intent(in) :: end_time
-      real(dp) :: h
+      real(dp) :: h, whole
       integer :: d, n, mesh, wall, rubbing
       logical :: reaches_end
 
       call self%expand()
       h = self%step_length()
+      whole = h
       if (self%friction%count > 0) call self%friction%limit_step(h)
       if (self%reach > 0) h = min(h, self%reach)
       ! The next step is at most twice as long, also where an event or the end of the flight shortens this step.
@@ -211,14 +214,17 @@ contains
          self%event = .true.
          self%event_mesh = 0
          call change_mode(self%friction, self%system, rubbing, self%v(1, :, :), h, self%x)
-         call count_event(self, h)
       else if (self%event) then
          call enter(self, mesh, wall, h)
       else
          self%event_mesh = 0
          self%stuck = 0
          if (reaches_end) self%time = end_time
+         return
       end if
+      self%events = self%events + 1
+      self%stuck = merge(0, self%stuck + 1, h > at_once*whole)
+      if (self%stuck > most_stuck + self%system%meshes) self%lost = .true.
    end subroutine step
 
    !> Changes the contact of a mesh at a wall of its law, after a step of length h.
@@ -243,18 +249,7 @@ contains
       end associate
       self%event_mesh = mesh
       self%event_wall = wall
-      call count_event(self, h)
    end subroutine enter
-
-   !> Counts an event after a step of length h.
-   pure subroutine count_event(self, h)
-      class(flow_type), intent(inout) :: self
-      real(dp), intent(in) :: h
-
-      self%events = self%events + 1
-      self%stuck = merge(0, self%stuck + 1, h > 0)
-      if (self%stuck > most_stuck + self%system%meshes) self%lost = .true.
-   end subroutine count_event
 
    !> Computes the Taylor coefficients of all columns at the present time.
    subroutine expand(self)

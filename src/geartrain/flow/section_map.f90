@@ -22,8 +22,9 @@ module geartrain_flow_section_map
    real(dp), parameter :: most_numbers = 2.5e7_dp
    !> Order of the series. Higher than that of the flow: the tables are made once, and fewer intervals make shorter flights.
    integer, parameter :: order = 30
-   !> Most successive events at one instant; the next event is passed over.
+   !> Most successive events at one instant; the next event is passed over. Distance of events of one instant over an interval.
    integer, parameter :: most_stuck = 3
+   real(dp), parameter :: at_once = 1e-10_dp
    !> Rounding of a displacement, over the sum of the terms of its series.
    real(dp), parameter :: rounding = 1e-13_dp
 
@@ -223,7 +224,7 @@ contains
          passed = mesh
          call first_event(self, f, contact, 1 - now, passed, wall, root, mesh)
          if (mesh == 0 .or. stuck > most_stuck + size(contact)) exit
-         stuck = merge(0, stuck + 1, root > 0)
+         stuck = merge(0, stuck + 1, root > at_once)
          if (stuck > most_stuck + size(contact)) lost = .true.
          now = now + root
          call sum_at(now, self%ahead(:, :, :, c, i), map)

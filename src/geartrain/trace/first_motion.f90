@@ -12,6 +12,7 @@ module geartrain_trace_first_motion
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
    use geartrain_network_divide_orders, only: divide_orders
+   use geartrain_network_excitation, only: highest_order
    use geartrain_network_lowest_modes, only: lowest_modes_type
    use geartrain_network_parameter, only: largest_variation, variation
    use geartrain_network_parameter_path, only: parameter_path_type
@@ -31,6 +32,8 @@ module geartrain_trace_first_motion
    !> Most sections of the flow from which an orbit is looked for, at the Lambda of the start, fewer for trains of more than 10
    !> states; and at each of some others. A section of a train of n states takes 15 flights of n tangents.
    integer, parameter :: sections_here = 128, sections_elsewhere = 8
+   !> Most mesh cycles of a flow that is to settle; of a period that is flown over where a window tells where the flow settles.
+   real(dp), parameter :: most_cycles = 20000, longest_period = 50
    !> Most points of a branch that leads to the start, and of one in the period of hunting teeth, where a point may take a second.
    integer, parameter :: most_points = 2000, most_points_of_long = 100
    !> Stiffness variation at which a branch over it begins, over that of the train [1]: a resonance is then too weak for a second
@@ -41,15 +44,15 @@ contains
 
    !> Finds a motion at one end of the range: at a given Lambda or, on a path in a parameter, at a value of it. Tried in this order:
    !> - Newton's method from rest under the mean load;
+   !> - of a train with several tooth frequencies, the motion on a window of time integration from rest;
    !> - the motion that time integration from rest settles on; after the next where free vibrations of the train outlast it;
    !> - the branch of a solution from rest at another Lambda, outside the range that ends at `other` or within;
    !> - the branch over the stiffness variation, from a train whose stiffness hardly varies;
    !> - an orbit, stable or not, near the flow from rest;
    !> - the branch of such an orbit at another Lambda.
-   !> A motion of long period, which takes minutes to fly over, is not looked for in flights, but first by integration over a window.
-   !> Where the motions of the branch repeat
-   !> themselves within the period of the fundamental, flights are those of the train with divided orders: over the whole period
-   !> they also come to motions that do not repeat themselves, which are none of the branch.
+   !> A motion of long period, which takes minutes to fly over, is not looked for in flights over whole periods. Where the motions
+   !> of the branch repeat themselves within the period of the fundamental, flights are those of the train with divided orders: over
+   !> the whole period they also come to motions that do not repeat themselves, which are none of the branch.
    recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
@@ -72,7 +75,7 @@ contains
       type(integration_settings_type) :: integration
       real(dp), allocatable :: state(:)
       real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
-      real(dp) :: elsewhere(size(times) + size(share))
+      real(dp) :: elsewhere(size(times) + size(share)), cycles
       integer :: i, round
       logical :: flies, settles
 
@@ -85,8 +88,10 @@ contains
       solution = resting(tracer, frequency_ratio)
       call tracer%corrector%solve_at(solution, success)
       if (success) return
-      flies = .not. tracer%corrector%balance%has_long_period()
-      if (tracer%chooses_sets .and. .not. flies) then
+      cycles = highest_order(tracer%system)/tracer%settings%repeats
+      flies = .not. (tracer%corrector%balance%has_long_period() .or. tracer%chooses_sets .and. cycles > longest_period)
+      integration%max_periods = min(integration%max_periods, max(1, nint(most_cycles/cycles)))
+      if (tracer%chooses_sets) then
          call solve_in_window(tracer, frequency_ratio, solution, success, stopped, observer)
          if (success .or. stopped) return
       end if
@@ -246,6 +251,8 @@ contains
       if (tracer%chooses_sets) call add_harmonics(tracer, motion)
       solution = solution_of(tracer, motion)
       call tracer%corrector%solve_at(solution, success)
+      ! A set has what matters of the motion.
+      if (tracer%chooses_sets) return
       highest = wanted
       do while (.not. success .and. highest < most_times*wanted)
          highest = 2*highest

@@ -27,6 +27,8 @@ module geartrain_trace_start
    real(dp), parameter :: default_amplitude_limit = 12, linear_amplitude_limit = 1e4_dp
    !> Least amplitude of a harmonic that `add_harmonics` carries, over the tolerance and the amplitude of the motion [1].
    real(dp), parameter :: least_share = 0.01_dp
+   !> Most harmonics that it adds, times unknown meshes: a motion without any order has thousands, and is no start.
+   integer, parameter :: most_added = 1500
 
 contains
 
@@ -229,6 +231,7 @@ contains
       !> Motion with coefficients, whose period divides the sub-harmonic index.
       type(motion_type), intent(in) :: motion
       logical, allocatable :: carried(:)
+      real(dp), allocatable :: amplitude(:)
       real(dp) :: least
       integer :: k, highest, ratio
 
@@ -239,9 +242,11 @@ contains
          allocate (carried(max(ratio*highest, set(size(set)))), source=.false.)
          carried(set) = .true.
       end associate
-      do k = 1, highest
-         if (sqrt(sum(motion%coefficients(2*k:2*k + 1, :)**2)) > least) carried(ratio*k) = .true.
+      amplitude = [(norm2(motion%coefficients(2*k:2*k + 1, :)), k=1, highest)]
+      do while (count(amplitude > least)*tracer%corrector%balance%unknowns > most_added)
+         least = 2*least
       end do
+      where (amplitude > least) carried(ratio:ratio*highest:ratio) = .true.
       call tracer%prepare(findloc(carried, .true., 1, back=.true.), pack([(k, k=1, size(carried))], carried))
    end subroutine add_harmonics
 

@@ -24,8 +24,8 @@ module geartrain_trace_window_start
    !> Root of the sum of squares of the amplitudes that the start leaves out, over that of all [1]: what a window makes of harmonics
    !> that it does not tell apart.
    real(dp), parameter :: negligible = 0.01_dp
-   !> Most cycles of the slowest mesh in a window that is a whole period.
-   real(dp), parameter :: most_cycles = 500
+   !> Most cycles of the slowest mesh in a window that is a whole period, and of settling where a period has less.
+   real(dp), parameter :: longest_period = 500, most_cycles = 300
    !> Most harmonics of the start.
    integer, parameter :: most = 400
 
@@ -52,7 +52,8 @@ contains
       state = resting_state(tracer%system)
       associate (cycles => minval(tracer%system%law%order))
          ! A whole period has no other lines than its harmonics.
-         if (cycles <= most_cycles) settings%window = nint(cycles)
+         if (cycles <= longest_period) settings%window = nint(cycles)
+         settings%max_periods = max(1, nint(most_cycles/cycles))
       end associate
       call find_in_window(tracer%system, frequency_ratio, settings, state, window, observer, stopped)
       if (stopped .or. .not. allocated(window%coefficients)) return
