@@ -20,8 +20,8 @@ module geartrain_balance_error_estimate
    !> error at constant Lambda falls only with the root of the shift of the fold.
    real(dp), parameter :: steepest = 0.05_dp
 
-   !> Root of the sum of squares of the amplitudes that the tail of a chosen set leaves out, over that of all [1]: of 600,000
-   !> amplitudes of hunting teeth that part 1,000 are above it.
+   !> Share of the tail of a chosen set that is left out, by root sum squares [1]: where hunting teeth part, a tail of 600,000
+   !> amplitudes keeps a thousand.
    real(dp), parameter :: negligible = 1e-3_dp
    !> Residual to which the harmonics of a tail are coupled, relative to the tail without [1]; highest number of vectors for it, and
    !> of the amplitudes of a vector.

@@ -190,7 +190,7 @@ contains
    pure subroutine driven(kept, harmonic, w, u, product)
       !> Harmonics of the motion, ascending; harmonics of the product.
       integer, intent(in) :: kept(:), harmonic(:)
-      !> Two-sided coefficients of the function, (0:); those beyond count as 0.
+      !> Two-sided coefficients of the function, (0:); higher ones count as 0.
       complex(dp), intent(in) :: w(0:)
       !> Coefficients of the motion, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)

@@ -15,8 +15,8 @@ module geartrain_exact_exact_search
    private
    public :: change_at, ends_of, find_exact, guess_from_point, neighbours
 
-   !> First step along the exact branch, and the way each way that is gone anyhow, in the units of units_type: where the motions of
-   !> the branch are inaccurate, its special point may be as far away as its points on both sides are from each other.
+   !> First step along the exact branch, and the length of the search in each direction, in the units of units_type. The search is
+   !> longer where the points on both sides are further apart: their motions may be as inaccurate.
    real(dp), parameter :: first_step = 2e-4_dp, usual_way = 0.25_dp
    !> Least Lambda on the way over Lambda at its beginning: towards 0 the integration takes ever longer.
    real(dp), parameter :: slowest = 0.5_dp

@@ -18,8 +18,8 @@ module geartrain_flow_flow
    private
    public :: flow_type
 
-   !> Most successive events at one instant besides one of each mesh; the next event is passed over. Distance of events of one
-   !> instant, as of equal planets, over a step without events: rounding.
+   !> Most successive events at one instant besides one of each mesh; the next event is passed over. Time between two events, over
+   !> a step without events, up to which they count as of one instant: equal planets meet their flanks together, to rounding.
    integer, parameter :: most_stuck = 3
    real(dp), parameter :: at_once = 1e-10_dp
 

@@ -22,7 +22,8 @@ module geartrain_flow_section_map
    real(dp), parameter :: most_numbers = 2.5e7_dp
    !> Order of the series. Higher than that of the flow: the tables are made once, and fewer intervals make shorter flights.
    integer, parameter :: order = 30
-   !> Most successive events at one instant; the next event is passed over. Distance of events of one instant over an interval.
+   !> Most successive events at one instant; the next event is passed over. Time between two events, over an interval, up to which
+   !> they count as of one instant.
    integer, parameter :: most_stuck = 3
    real(dp), parameter :: at_once = 1e-10_dp
    !> Rounding of a displacement, over the sum of the terms of its series.

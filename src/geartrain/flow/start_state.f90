@@ -29,7 +29,7 @@ contains
       end do
    end function resting_state
 
-   !> State of a motion: `motion%state` where it is allocated, which is that at time 0, else from the coefficients.
+   !> State of a motion: `motion%state`, at time 0, where it is allocated; else from the coefficients.
    subroutine state_of(system, motion, state, begin)
       type(system_type), intent(in) :: system
       !> Motion with a state or with coefficients.

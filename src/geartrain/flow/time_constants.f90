@@ -6,9 +6,8 @@
 !> one is told beside the figures.
 !>
 !> Settling begins before phase 0, so that it ends there. The figures are then those of a window from phase 0 on
-!> (geartrain_flow_window), with what a longer window would change (geartrain_flow_uncertainty). Settling takes a time
-!> after which all meshes stand nearly where they stood: a state of phase 0, as that of the point before in a sweep, is nearly on
-!> its orbit at the beginning too.
+!> (geartrain_flow_window), with what a longer window would change (geartrain_flow_uncertainty). In the time of settling all meshes
+!> go through nearly whole cycles. So a state of phase 0, as a sweep hands on, is nearly on its orbit where settling begins.
 module geartrain_flow_time_constants
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
@@ -33,7 +32,7 @@ module geartrain_flow_time_constants
    !> What may be left of slow free vibrations of a motion that has settled, over its alternating displacement [1].
    real(dp), parameter :: negligible = 1e-3_dp
 
-   !> How much longer settling may take that the meshes return [1].
+   !> How much longer settling may take for the meshes to go through nearly whole cycles [1].
    real(dp), parameter :: longer = 0.25_dp
 
    !> Difference of two means that is none, over the alternating displacement [1].

@@ -32,7 +32,7 @@ module geartrain_trace_first_motion
    !> Most sections of the flow from which an orbit is looked for, at the Lambda of the start, fewer for trains of more than 10
    !> states; and at each of some others. A section of a train of n states takes 15 flights of n tangents.
    integer, parameter :: sections_here = 128, sections_elsewhere = 8
-   !> Most mesh cycles of a flow that is to settle; of a period that is flown over where a window tells where the flow settles.
+   !> Most mesh cycles of a flow that is to settle. Most mesh cycles of a period that is flown over in a train that goes by windows.
    real(dp), parameter :: most_cycles = 20000, longest_period = 50
    !> Most points of a branch that leads to the start, and of one in the period of hunting teeth, where a point may take a second.
    integer, parameter :: most_points = 2000, most_points_of_long = 100
@@ -251,7 +251,7 @@ contains
       if (tracer%chooses_sets) call add_harmonics(tracer, motion)
       solution = solution_of(tracer, motion)
       call tracer%corrector%solve_at(solution, success)
-      ! A set has what matters of the motion.
+      ! A set has the harmonics that matter already.
       if (tracer%chooses_sets) return
       highest = wanted
       do while (.not. success .and. highest < most_times*wanted)

@@ -27,7 +27,7 @@ module geartrain_trace_start
    real(dp), parameter :: default_amplitude_limit = 12, linear_amplitude_limit = 1e4_dp
    !> Least amplitude of a harmonic that `add_harmonics` carries, over the tolerance and the amplitude of the motion [1].
    real(dp), parameter :: least_share = 0.01_dp
-   !> Most harmonics that it adds, times unknown meshes: a motion without any order has thousands, and is no start.
+   !> Most harmonics that it adds, times the number of unknown meshes: a chaotic motion has thousands, and is no start.
    integer, parameter :: most_added = 1500
 
 contains

@@ -1,8 +1,8 @@
 !> A start for motions of long period: the motion that time integration settles on, read over a window.
 !>
-!> A window is some hundred cycles of a period of thousands, and its spectrum has a line for some hundred harmonics of the period. Of
-!> those, a motion has the sums and differences of few harmonics of the excitation: each line is taken for the one that takes fewest.
-!> That is near enough for Newton's method to begin.
+!> A window is some hundred cycles of a period of thousands, and a line of its spectrum covers many harmonics of the period. A
+!> motion has mainly harmonics that are sums and differences of few harmonics of the excitation. So each line is taken for the
+!> harmonic with the shortest sum. That is near enough for Newton's method to begin.
 module geartrain_trace_window_start
    use geartrain_balance_harmonic_set, only: first_set
    use geartrain_balance_motion, only: motion_type
@@ -21,10 +21,9 @@ module geartrain_trace_window_start
    private
    public :: solve_in_window
 
-   !> Root of the sum of squares of the amplitudes that the start leaves out, over that of all [1]: what a window makes of harmonics
-   !> that it does not tell apart.
+   !> Share of the spectrum that the start leaves out, by root sum squares [1].
    real(dp), parameter :: negligible = 0.01_dp
-   !> Most cycles of the slowest mesh in a window that is a whole period, and of settling where a period has less.
+   !> Most cycles of the slowest mesh in a window that is a whole period. Cycles of settling; one period where that is longer.
    real(dp), parameter :: longest_period = 500, most_cycles = 300
    !> Most harmonics of the start.
    integer, parameter :: most = 400
