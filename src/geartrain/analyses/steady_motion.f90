@@ -74,6 +74,7 @@ contains
       type(system_type), intent(in) :: system
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
+      !> Settings, of which window and max_periods are used.
       type(integration_settings_type), intent(in) :: settings
 
       time_before = 0
