@@ -75,7 +75,8 @@ contains
       type(integration_settings_type) :: integration
       real(dp), allocatable :: state(:)
       real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
-      real(dp) :: elsewhere(size(times) + size(share)), cycles
+      real(dp), allocatable :: elsewhere(:)
+      real(dp) :: cycles
       integer :: i, round
       logical :: flies, settles
 
@@ -99,7 +100,9 @@ contains
       if (flies) settles = decay_of_train(tracer%system) &
                            > tracer%settings%repeats*frequency_ratio/(2*pi*integration%max_periods)
       if (settles) call solve_where_flow_settles()
-      elsewhere = [times*frequency_ratio, frequency_ratio + share*(other - frequency_ratio)]
+      elsewhere = frequency_ratio + share*(other - frequency_ratio)
+      ! From far away several stages have too many resonances on the way.
+      if (.not. tracer%chooses_sets) elsewhere = [times*frequency_ratio, elsewhere]
       do round = 1, 2
          do i = 1, size(elsewhere)
             stopped = stopped .or. tracer%system%interrupt%raised()
