@@ -2,6 +2,8 @@
 module unit_basins
    use fixtures, only: paper_train
    use geartrain, only: basins, basins_settings_type, basins_type, dp, error_type, observer_type
+   use geartrain_analyses_basins, only: basins_analysis_type
+   use geartrain_base_words, only: words_type
    use geartrain_flow_approach, only: approach_type
    use geartrain_flow_recognition, only: recognition_type
    use geartrain_flow_section_map, only: section_map_type
@@ -117,7 +119,10 @@ contains
    !> Ended during the random starts there are no basins; ended in the first batch of rows none of its rows counts as done.
    subroutine ended_within(tests)
       class(tests_type), intent(inout) :: tests
-      type(basins_type) :: found, begun
+      type(basins_type), target :: found
+      type(basins_type) :: begun
+      type(basins_analysis_type) :: analysis
+      type(words_type), allocatable :: early
       type(counter_type) :: counter
       type(error_type), allocatable :: error
 
@@ -125,6 +130,9 @@ contains
       call basins(paper_train(0.3_dp), grid(), found, error, counter)
       call tests%is_true(.not. allocated(error) .and. .not. allocated(found%label), 'ended during the random starts')
       call tests%is_true(counter%calls == 3, 'no call after that')
+      analysis%result => found
+      call analysis%tell_end(early)
+      call tests%is_true(index(early%text, 'random starts') > 0, 'and the run says so')
       counter = counter_type()
       call basins(paper_train(0.3_dp), grid(), found, error, counter)
       counter%last = counter%calls - 60

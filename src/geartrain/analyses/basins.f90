@@ -98,7 +98,9 @@ contains
       class(basins_analysis_type), intent(in) :: self
       type(words_type), allocatable, intent(out) :: early
 
-      if (.not. self%result%complete) early = words_type(self%result%ended)
+      if (self%result%complete) return
+      early = words_type('cancelled while motions were sought by random starts')
+      if (allocated(self%result%ended)) early = words_type(self%result%ended)
    end subroutine tell_end
 
    !> Finds the motion that each start of a grid reaches, in parallel; the results do not depend on the number of threads.
