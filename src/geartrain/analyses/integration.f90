@@ -2,7 +2,7 @@
 !> begins with the last state of the frequency before; and to a steady motion at one frequency.
 module geartrain_analyses_integration
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
-   use geartrain_analyses_steady_motion, only: check_start, find_steady, time_before, need_to_find
+   use geartrain_analyses_steady_motion, only: check_start, find_steady, need_to_find, time_before
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_carry, only: carry, carry_words
    use geartrain_base_checker, only: checker_type

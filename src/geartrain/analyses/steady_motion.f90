@@ -51,7 +51,7 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> Settings, of which the range is not used.
       type(integration_settings_type), intent(in) :: settings
-      !> State to begin with, `time_before` phase 0, then that of the motion at phase 0 [1], (state).
+      !> State where settling begins, which is `time_before` earlier than phase 0; then the state at phase 0 [1], (state).
       real(dp), intent(inout) :: state(:)
       !> The motion; period 0: none found. A motion that grows without bound has a state, but neither coefficients nor figures.
       type(motion_type), intent(out) :: motion

@@ -43,14 +43,10 @@ contains
       type(orbit_type), intent(out) :: exact
       !> Whether one was found.
       logical, intent(out) :: found
-      type(orbit_type) :: start, sides(2)
-      integer :: ends(2), i
+      type(orbit_type) :: start
+      real(dp) :: way_between
 
-      ends = ends_of(branch, special)
-      do i = 1, 2
-         call guess_from_point(corrector, branch, ends(i), sides(i))
-      end do
-      call stand_at(corrector, branch, special, start, found)
+      call stand_at(corrector, branch, special, start, way_between, found)
       corrector%watched_mesh = 0
       if (is_onset(special%kind)) corrector%watched_mesh = special%mesh
       corrector%watches_back = special%kind == back_contact
@@ -58,7 +54,7 @@ contains
       if (found) call corrector%correct(start, found)
       if (.not. found) return
       call search(corrector, start, special%kind, special%multiplicity, sense_of(branch, special, change), &
-                  corrector%distance(sides(1), sides(2)), exact, found)
+                  way_between, exact, found)
       if (.not. found .and. special%kind == 'branch point' .and. special%multiplicity > 1) &
          call search_equal(corrector, branch, special, exact, found)
       if (found .or. special%kind /= 'branch point' .or. special%multiplicity > 1) return
@@ -200,12 +196,14 @@ contains
    end function neighbours
 
    !> First guess of the orbit at a special point, with its tangent.
-   subroutine stand_at(corrector, branch, special, start, found)
+   subroutine stand_at(corrector, branch, special, start, way_between, found)
       type(orbit_corrector_type), intent(inout) :: corrector
       type(branch_type), intent(in) :: branch
       !> The special point.
       type(special_point_type), intent(in) :: special
       type(orbit_type), intent(out) :: start
+      !> Distance of the points of the branch on both sides [units_type].
+      real(dp), intent(out) :: way_between
       logical, intent(out) :: found
       type(orbit_type) :: first, last
       real(dp) :: way, share, sides(2)
@@ -214,6 +212,7 @@ contains
       ends = ends_of(branch, special)
       call guess_from_point(corrector, branch, ends(1), first)
       call guess_from_point(corrector, branch, ends(2), last)
+      way_between = corrector%distance(first, last)
       select case (special%kind)
       case ('fold')
          call guess_from_point(corrector, branch, special%point, start)

@@ -268,7 +268,7 @@ contains
          if (size(part%mass) == 1) then
             difference = force(1)/cmplx(part%support(1) - omega**2*part%mass(1), omega*part%drag(1), dp)
          else
-            ! From -omega**2 m x = force -+ spring (x_1 - x_2); the sign is that of part%solve.
+            ! The masses obey -omega**2 m x = force -+ spring (x_1 - x_2). The sign of the difference is as in part%solve.
             first = part%graph%order(1)
             difference = (force(first)/part%mass(first) - force(3 - first)/part%mass(3 - first)) &
                          /(cmplx(part%stiffness(1), omega*part%damping(1), dp)*sum(1/part%mass) - omega**2)

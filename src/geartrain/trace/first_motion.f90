@@ -50,9 +50,9 @@ contains
    !> - the branch over the stiffness variation, from a train whose stiffness hardly varies;
    !> - an orbit, stable or not, near the flow from rest;
    !> - the branch of such an orbit at another Lambda.
-   !> A motion of long period, which takes minutes to fly over, is not looked for in flights over whole periods. Where the motions
-   !> of the branch repeat themselves within the period of the fundamental, flights are those of the train with divided orders: over
-   !> the whole period they also come to motions that do not repeat themselves, which are none of the branch.
+   !> A motion of long period takes minutes to fly over, and is not looked for in flights over whole periods. The motions of a
+   !> branch may repeat themselves within the period of the fundamental. Then flights are those of the train with divided orders.
+   !> Flights over the whole period would also come to motions that do not repeat themselves.
    recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
