@@ -34,8 +34,8 @@ module geartrain_derivatives_special_gradient
    !> Error of a derivative, relative to its two parts, above which there is none.
    real(dp), parameter :: unsettled = 1e-5_dp
    !> Error up to which a derivative is known however small it is: change of Lambda over Lambda, per change of the parameter over
-   !> the parameter. The two parts of a derivative that is 0 are rounding.
-   real(dp), parameter :: settled = 1e-9_dp
+   !> the parameter. The two parts of a derivative that is 0 are rounding of multipliers (1e-12) over steps of some 1e-4.
+   real(dp), parameter :: settled = 1e-7_dp
 
 contains
 

@@ -19,12 +19,14 @@ module geartrain_linalg_differences
       real(dp) :: value = 0, error = huge(1.0_dp)
       !> No further difference is needed.
       logical :: done = .false.
-      !> Differences so far; order of their error in the step; extrapolations, (order of extrapolation, difference).
-      integer, private :: taken = 0, order = 2
+      !> Differences so far; the difference of the shortest step in `value`; order of their error in the step; extrapolations,
+      !> (order of extrapolation, difference).
+      integer, private :: taken = 0, last = 1, order = 2
       real(dp), private :: table(most, most) = 0
    contains
       procedure :: begin
       procedure :: add
+      procedure, private :: rounding
    end type differences_type
 
 contains
@@ -66,10 +68,25 @@ contains
             if (error > self%error) cycle
             self%error = error
             self%value = t(j, n)
+            self%last = n
          end do
+         if (n == most) self%error = max(self%error, self%rounding())
          self%done = n == most .or. self%error <= enough*abs(self%value)
       end associate
       self%step = self%step/shorter
    end subroutine add
+
+   !> Rounding in the value after all steps. Where rounding is all that is left, some neighbours in the table are close to one
+   !> another by chance, and say little about the error. The last three differences of a column are rarely so: the column
+   !> where they differ least tells the rounding over the shortest step. It grows as steps become shorter.
+   pure real(dp) function rounding(self)
+      class(differences_type), intent(in) :: self
+      integer :: j
+
+      associate (t => self%table)
+         rounding = minval([(max(abs(t(j, most) - t(j, most - 1)), shorter*abs(t(j, most - 1) - t(j, most - 2))), j=1, most - 2)])
+      end associate
+      rounding = rounding/shorter**(most - self%last)
+   end function rounding
 
 end module geartrain_linalg_differences
