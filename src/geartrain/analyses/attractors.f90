@@ -20,7 +20,7 @@ module geartrain_analyses_attractors
    use geartrain_base_words, only: words_type
    use geartrain_flow_aperiodic, only: aperiodic_type
    use geartrain_flow_floating, only: note_of
-   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_integration_settings, only: integration_settings_type, most_periods
    use geartrain_flow_motion_fields, only: visit_motions
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: need_to_settle, settle
@@ -60,8 +60,8 @@ module geartrain_analyses_attractors
       integer :: starts = 200, random_seed = 0
       !> Whether a branch is traced, with the settings of &response, through each attractor that lies on no branch of the case.
       logical :: follow = .false.
-      !> Harmonics stored of each motion, 0: chosen; periods of the fundamental after which a start is given up.
-      integer :: harmonics = 0, max_periods = 2000
+      !> Harmonics stored of each motion; periods of the fundamental after which a start is given up; 0: chosen.
+      integer :: harmonics = 0, max_periods = 0
       !> Relative change over a period at which a motion counts as settled [1].
       real(dp) :: tolerance = 1e-9_dp
       !> Whether the Floquet multipliers of each motion are computed.
@@ -117,8 +117,8 @@ contains
                             &range of &response and with its settings'), settings%follow)
       call v%on_integer(row('harmonics', '', 'harmonics of Lambda to store; 0: 16 times the highest mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled start is given up', &
-         &least=one), &
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled start is given up; 0: 2000, &
+                            &of long periods as many as 40000 cycles of the fastest mesh, but 100', least=one, automatic=zero), &
                         settings%max_periods)
       call v%on_real(row('tolerance', '', 'relative change per period at which a motion counts as settled', &
                          above=zero, most=one), settings%tolerance)
@@ -265,7 +265,7 @@ contains
          type(motion_type), intent(inout) :: motion
          type(aperiodic_type), intent(out) :: wandering
 
-         call wandering%find(system, map, motion%state, max(settings%max_periods, least_average))
+         call wandering%find(system, map, motion%state, max(most_periods(system, settings%max_periods), least_average))
          motion%kind = wandering%kind
          motion%lyapunov_exponent = wandering%exponent
          motion%lyapunov_error = wandering%error

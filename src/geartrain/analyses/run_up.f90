@@ -18,6 +18,7 @@ module geartrain_analyses_run_up
    use geartrain_base_numbers, only: counted, fixed, integer_text, real_text, significant, text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_flow_integration_settings, only: most_periods
    use geartrain_flow_motion_fields, only: about_frequency, about_mesh
    use geartrain_flow_ramp, only: make_ramp, ramp_type
    use geartrain_flow_ramped_flow, only: automatic_samples, follow_ramp, make_room, most_samples, run_up_type
@@ -88,7 +89,8 @@ contains
       call v%on_integer(row('samples', '', 'samples per period of the fundamental at the higher frequency; 0: at least 32 per &
                             &cycle of the fastest mesh', &
                             least=one, most=most_samples*one, automatic=zero), settings%samples)
-      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental; 0: start at &
+      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental, of long &
+                            &periods at most 40000 cycles of the fastest mesh, but 100; 0: start at &
                             &rest, or from the motion given in a call', least=zero), settings%max_periods)
       call v%leave()
    end subroutine visit_variables
@@ -171,7 +173,7 @@ contains
       type(ramp_type) :: ramp
       real(dp), allocatable :: shift(:)
       logical :: stopped
-      integer :: samples
+      integer :: samples, periods
 
       if (allocated(result%ended) .or. .not. allocated(result%state)) result = empty
       copy = settings
@@ -188,13 +190,13 @@ contains
       allocate (shift(system%states), source=0.0_dp)
       where (system%element_mesh(:system%displacements) == 0) &
          shift(:system%displacements) = steady%static_force(:system%displacements) - system%static_force(:system%displacements)
+      periods = min(settings%max_periods, most_periods(system, 0))
       samples = settings%samples
       if (samples == 0) samples = automatic_samples(system, ramp)
       call make_room(system, ramp, samples, system%torque_paths%torques, result, error)
       if (allocated(error)) return
       if (.not. allocated(result%state)) then
-         call find_start(steady, system, shift, settings%max_periods, ramp%start, result, error, stopped, start, &
-                         observer)
+         call find_start(steady, system, shift, periods, ramp%start, result, error, stopped, start, observer)
          if (allocated(error)) return
          if (stopped) then
             result%ended = 'cancelled before the motion at '//lambda(ramp%start)//' was steady'
@@ -202,7 +204,7 @@ contains
          end if
       end if
       call follow_ramp(system, shift, ramp, result, observer)
-      call tell_start(settings%max_periods, ramp%start, result)
+      call tell_start(periods, ramp%start, result)
    end subroutine run_up
 
    !> Makes the ramp, and the system of a train at constant speed and on the ramp.

@@ -7,7 +7,7 @@ module geartrain_analyses_steady_motion
    use geartrain_base_memory, only: need
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
-   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_integration_settings, only: integration_settings_type, most_periods
    use geartrain_flow_flow_kind, only: flow_kind
    use geartrain_flow_lyapunov, only: find_exponent
    use geartrain_flow_orbit, only: memory_to_measure
@@ -79,7 +79,7 @@ contains
 
       time_before = 0
       if (goes_by_windows(system, settings%window)) &
-         time_before = settling_time(system, frequency_ratio, settings%max_periods)
+         time_before = settling_time(system, frequency_ratio, most_periods(system, settings%max_periods))
    end function time_before
 
    !> Adds Lyapunov exponent and kind to a motion without a period, unless the motion grew without bound.
@@ -91,8 +91,8 @@ contains
       type(section_trend_type) :: trend
 
       if (motion%period > 0 .or. .not. allocated(motion%coefficients)) return
-      call find_exponent(system, motion%frequency_ratio, motion%state, settings%max_periods, motion%lyapunov_exponent, &
-                         motion%lyapunov_error, trend, observer)
+      call find_exponent(system, motion%frequency_ratio, motion%state, most_periods(system, settings%max_periods), &
+                         motion%lyapunov_exponent, motion%lyapunov_error, trend, observer)
       if (.not. allocated(motion%lyapunov_exponent)) return
       motion%kind = flow_kind(system, motion%frequency_ratio, motion%state, motion%lyapunov_exponent, motion%lyapunov_error, &
                               trend)

@@ -8,6 +8,7 @@ module geartrain_balance_error_estimate
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_least_residual, only: least_residual_type
    use geartrain_linalg_trigonometric, only: evaluate, fine_samples, sample
+   use geartrain_network_excitation, only: excited_harmonics
    use geartrain_network_receptance, only: linear_displacements
    implicit none (type, external)
    private
@@ -23,6 +24,8 @@ module geartrain_balance_error_estimate
    !> Share of the tail of a chosen set that is left out, by root sum squares [1]: where hunting teeth part, a tail of 600,000
    !> amplitudes keeps a thousand.
    real(dp), parameter :: negligible = 1e-3_dp
+   !> The same of the forces of the tail, before the displacements are known, which a resonance may make a hundred times larger.
+   real(dp), parameter :: negligible_force = 1e-5_dp
    !> Residual to which the harmonics of a tail are coupled, relative to the tail without [1]; highest number of vectors for it, and
    !> of the amplitudes of a vector.
    real(dp), parameter :: coupled = 0.3_dp
@@ -115,13 +118,13 @@ contains
       end if
       sparse = balance%chosen .and. balance%parts() .and. .not. matrix%solves_in_time()
       condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
-      associate (tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic(:estimate%count))
-         call estimate%equations%take(balance, frequency_ratio, harmonic, .not. matrix%solves_in_time())
-         call estimate%equations%driven_forces(balance, u, tail)
-         if (condensed) force = tail
-         call estimate%equations%displacements(balance, .true., tail)
-      end associate
-      if (sparse) call keep_large()
+      call estimate%equations%take(balance, frequency_ratio, estimate%harmonic(:estimate%count))
+      call estimate%equations%driven_forces(balance, u, estimate%tail(:estimate%count, :))
+      if (sparse) call keep(negligible_force, balance%eta*excited_harmonics(balance%system))
+      call estimate%equations%prepare(balance, .not. matrix%solves_in_time())
+      if (condensed) force = estimate%tail(:estimate%count, :)
+      call estimate%equations%displacements(balance, .true., estimate%tail(:estimate%count, :))
+      if (sparse) call keep(negligible, balance%left_out)
       associate (n => estimate%count, tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic)
          settled = .true.
          if (matrix%solves_in_time()) then
@@ -154,8 +157,12 @@ contains
 
    contains
 
-      !> Leaves the many small amplitudes of a tail out, unless linear meshes are excited at their harmonics.
-      subroutine keep_large()
+      !> Leaves the many small amplitudes of a tail out.
+      subroutine keep(share, excited)
+         !> Share that is left out, by root sum squares [1].
+         real(dp), intent(in) :: share
+         !> Harmonics that stay because they are excited.
+         integer, intent(in) :: excited(:)
          real(dp) :: square(estimate%count)
          logical :: kept(estimate%count)
          integer, allocatable :: rows(:)
@@ -163,15 +170,15 @@ contains
 
          n = estimate%count
          square = sum(estimate%tail(:n, :)%re**2 + estimate%tail(:n, :)%im**2, 2)
-         kept = busiest(square, negligible**2*sum(square), n)
-         if (condensed) kept = kept .or. [(any(balance%left_out == estimate%harmonic(m)), m=1, n)]
+         kept = busiest(square, share**2*sum(square), n)
+         kept = kept .or. [(any(excited == estimate%harmonic(m)), m=1, n)]
          rows = pack([(m, m=1, n)], kept)
          if (size(rows) == 0) return
          call estimate%equations%keep(balance, rows)
          estimate%tail(:size(rows), :) = estimate%tail(rows, :)
-         if (condensed) force = force(rows, :)
+         if (allocated(force)) force = force(rows, :)
          call put(estimate%harmonic(rows))
-      end subroutine keep_large
+      end subroutine keep
 
       !> Correction of the carried harmonics by a tail.
       subroutine carry(tail, whole)
@@ -317,25 +324,22 @@ contains
 
    !> `waveform_error` at equally spaced instants of the period, beginning at theta = 0, eight or more in a period of the highest
    !> harmonic.
-   subroutine sample_error(self, balance, i, wave)
+   subroutine sample_error(self, balance, i, transform)
       class(error_estimate_type), intent(in) :: self
       !> The balance of the estimate.
       type(balance_type), intent(in) :: balance
       !> Number of the unknown mesh.
       integer, intent(in) :: i
-      !> Errors [1], (sample).
-      real(dp), allocatable, intent(out) :: wave(:)
-      type(transform_type) :: transform
-      real(dp) :: tail(1 + 2*self%count)
+      !> Its samples get the errors [1].
+      type(transform_type), intent(inout) :: transform
+      real(dp) :: tail(2*self%count)
+      integer, allocatable :: harmonic(:)
 
-      tail(1) = 0
-      tail(2::2) = self%tail(:self%count, i)%re
-      tail(3::2) = -self%tail(:self%count, i)%im
-      call transform%plan(fine_samples(maxval([1, balance%harmonic, self%harmonic(:self%count)])))
-      call sample(tail, self%harmonic(:self%count), transform)
-      wave = transform%sample
-      call sample(self%error(:, i), balance%harmonic, transform)
-      wave = wave + transform%sample
+      tail(1::2) = self%tail(:self%count, i)%re
+      tail(2::2) = -self%tail(:self%count, i)%im
+      harmonic = [balance%harmonic, self%harmonic(:self%count)]
+      call transform%plan(fine_samples(maxval([1, harmonic])))
+      call sample([self%error(:, i), tail], harmonic, transform)
    end subroutine sample_error
 
    !> The nearer root s of y + slope s + bend s**2/2 = 0; where there is no root, the vertex.

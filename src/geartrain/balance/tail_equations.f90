@@ -18,8 +18,9 @@ module geartrain_balance_tail_equations
    type :: tail_equations_type
       private
       integer :: longest = -1, reach = 0
-      !> Products are sums, not found by FFT; each mesh has its mean stiffness in contact at the tail.
-      logical :: direct = .true., stiff = .true.
+      !> Products are sums, not found by FFT; each mesh has its mean stiffness in contact at the tail; the equations of the
+      !> displacements are there.
+      logical :: direct = .true., stiff = .true., prepared = .false.
       real(dp) :: frequency_ratio = 0
       !> Harmonics of Lambda/eta in the tail.
       integer, allocatable :: harmonic(:)
@@ -33,6 +34,7 @@ module geartrain_balance_tail_equations
    contains
       procedure :: reserve
       procedure :: take
+      procedure :: prepare
       procedure :: keep
       procedure :: driven_forces
       procedure :: own_forces
@@ -60,8 +62,8 @@ contains
       end do
    end subroutine reserve
 
-   !> Takes a tail at a motion, and prepares its equations.
-   subroutine take(self, balance, frequency_ratio, harmonic, stiff)
+   !> Takes a tail at a motion.
+   subroutine take(self, balance, frequency_ratio, harmonic)
       class(tail_equations_type), intent(inout) :: self
       !> The balance, evaluated at the motion.
       type(balance_type), intent(in) :: balance
@@ -69,23 +71,34 @@ contains
       real(dp), intent(in) :: frequency_ratio
       !> Harmonics of Lambda/eta in the tail, at least one, ascending.
       integer, intent(in) :: harmonic(:)
-      !> Each harmonic with the meshes coupled and with their mean stiffness, because a harmonic near a natural frequency resonates;
-      !> or as if the meshes had no stiffness besides the forces.
-      logical, intent(in) :: stiff
-      type(receptance_type) :: local
-      integer :: i, m, n
+      integer :: i
 
-      n = size(harmonic)
       self%frequency_ratio = frequency_ratio
       self%harmonic = harmonic
-      self%stiff = stiff
-      self%reach = harmonic(n) + balance%highest
+      self%prepared = .false.
+      self%reach = harmonic(size(harmonic)) + balance%highest
       do i = 1, balance%unknowns
          call balance%contact(i)%extend(self%spectra(i), self%reach)
       end do
       self%direct = sums_are_less(self, balance, size(balance%harmonic))
       ! Room for the product of the spectra with the motion or the tail without aliases.
       if (.not. self%direct) call self%wide%plan(transform_length(2*self%reach + 1))
+   end subroutine take
+
+   !> Prepares the equations of the displacements at the tail.
+   subroutine prepare(self, balance, stiff)
+      class(tail_equations_type), intent(inout) :: self
+      !> The balance, evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> Each harmonic with the meshes coupled and with their mean stiffness, because a harmonic near a natural frequency resonates;
+      !> or as if the meshes had no stiffness besides the forces.
+      logical, intent(in) :: stiff
+      type(receptance_type) :: local
+      integer :: m, n
+
+      n = size(self%harmonic)
+      self%stiff = stiff
+      self%prepared = .true.
       associate (graph => balance%system%cut%graph)
          if (allocated(self%h)) then
             if (size(self%h, 1) /= graph%entries .or. size(self%h, 2) < n) deallocate (self%h, self%factors, self%excitation)
@@ -93,16 +106,16 @@ contains
          if (.not. allocated(self%h)) &
             allocate (self%h(graph%entries, n), self%factors(graph%entries, n), self%excitation(balance%unknowns, n))
          do m = 1, n
-            call find_receptance(balance%system, frequency_ratio, harmonic(m), balance%eta, local, derivatives=.false.)
+            call find_receptance(balance%system, self%frequency_ratio, self%harmonic(m), balance%eta, local, derivatives=.false.)
             self%h(:, m) = local%h
             self%excitation(:, m) = local%a
             if (.not. stiff) cycle
             ! The diagonal is near 1 except at a resonance.
-            call balance%mean_matrix(harmonic(m), local, self%factors(:, m))
+            call balance%mean_matrix(self%harmonic(m), local, self%factors(:, m))
             call factor_scalars(graph, self%factors(:, m))
          end do
       end associate
-   end subroutine take
+   end subroutine prepare
 
    !> Leaves all but some harmonics of the tail out.
    pure subroutine keep(self, balance, rows)
@@ -114,7 +127,7 @@ contains
 
       self%harmonic = self%harmonic(rows)
       ! No row is overwritten before it has moved.
-      do m = 1, size(rows)
+      do m = 1, merge(size(rows), 0, self%prepared)
          self%h(:, m) = self%h(:, rows(m))
          self%factors(:, m) = self%factors(:, rows(m))
          self%excitation(:, m) = self%excitation(:, rows(m))

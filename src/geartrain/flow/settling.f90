@@ -18,7 +18,7 @@ module geartrain_flow_settling
    use geartrain_flow_disturbance, only: disturb
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_kept_states, only: judge
-   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_integration_settings, only: integration_settings_type, most_periods
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure, memory_to_measure, propagate
    use geartrain_flow_shooting, only: find_orbit
    use geartrain_network_system, only: system_type
@@ -65,7 +65,7 @@ contains
       call bound%setup(system, frequency_ratio)
       limit = bound%limit(state)
       look = max(1, nint(min(1e4_dp, between_looks*frequency_ratio/(2*pi*minval(mesh_frequencies(system))))))
-      do k = 1, settings%max_periods
+      do k = 1, most_periods(system, settings%max_periods)
          call flow%pass_period(frequency_ratio)
          section = eoshift(section, -1, dim=2)
          section(:, 0) = flow%x(1, :)

@@ -16,7 +16,7 @@ module geartrain_flow_time_constants
    use geartrain_flow_disturbance, only: disturb
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_integration_settings, only: integration_settings_type, most_periods
    use geartrain_flow_lyapunov, only: exponent_of, settled_part
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
    use geartrain_flow_slow_modes, only: slow_modes_type, stretches
@@ -189,7 +189,7 @@ contains
       type(settled_type) :: settled
       logical :: regular, drifts
 
-      call settle_by_time(system, frequency_ratio, settings%max_periods, state, settled, observer)
+      call settle_by_time(system, frequency_ratio, most_periods(system, settings%max_periods), state, settled, observer)
       motion%frequency_ratio = frequency_ratio
       motion%period = 0
       motion%state = state

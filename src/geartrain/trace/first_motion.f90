@@ -7,7 +7,7 @@ module geartrain_trace_first_motion
    use geartrain_base_observer, only: observer_type
    use geartrain_base_words, only: words_type
    use geartrain_drawing_drawing, only: plain_train
-   use geartrain_flow_integration_settings, only: integration_settings_type
+   use geartrain_flow_integration_settings, only: integration_settings_type, most_periods
    use geartrain_flow_orbit_search, only: orbit_search_type
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
@@ -91,7 +91,7 @@ contains
       if (success) return
       cycles = highest_order(tracer%system)/tracer%settings%repeats
       flies = .not. (tracer%corrector%balance%has_long_period() .or. tracer%chooses_sets .and. cycles > longest_period)
-      integration%max_periods = min(integration%max_periods, max(1, nint(most_cycles/cycles)))
+      integration%max_periods = max(1, min(most_periods(tracer%system, 0), nint(most_cycles/cycles)))
       if (tracer%chooses_sets) then
          call solve_in_window(tracer, frequency_ratio, solution, success, stopped, observer)
          if (success .or. stopped) return

@@ -10,6 +10,7 @@ module geartrain_trace_stability_assessment
    use geartrain_floquet_growth, only: find_growth, growth_type, shifted_rate
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_multipliers, only: is_neutral, is_stable, neutral
+   use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: evaluate
    implicit none (type, external)
    private
@@ -140,40 +141,42 @@ contains
       real(dp), intent(in) :: u(:, :), last
       type(error_estimate_type), intent(in) :: estimate
       real(dp), allocatable :: shifts(:, :)
+      type(transform_type) :: transform
       integer :: i
 
       allocate (shifts(maxval(balance%contact%events), balance%unknowns), source=0.0_dp)
       do i = 1, balance%unknowns
-         call find_shift(balance, i, u(:, i), estimate, last, shifts(:, i))
+         call find_shift(balance, i, u(:, i), estimate, last, transform, shifts(:, i))
       end do
    end function shifts
 
    !> Shift of the contact events of unknown mesh i up to an instant by the error of the waveform [rad], (event): to the nearer root
    !> of the parabola of the corrected motion, or to its extreme where the corrected motion misses the wall.
-   subroutine find_shift(balance, i, u, estimate, last, shift)
+   subroutine find_shift(balance, i, u, estimate, last, transform, shift)
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: i
       real(dp), intent(in) :: u(:), last
       type(error_estimate_type), intent(in) :: estimate
+      type(transform_type), intent(inout) :: transform
       real(dp), intent(out) :: shift(:)
-      real(dp), allocatable :: wave(:)
       real(dp) :: p, slope, curvature, inside, error, least, place
       integer :: k, n
+      logical :: sampled
 
       shift = 0
       least = 0
       ! A hunting train has thousands of events, and of harmonics of the error.
-      if (count(balance%contact(i)%instant(:balance%contact(i)%events) <= last) > many_events) &
-         call estimate%sample_error(balance, i, wave)
+      sampled = count(balance%contact(i)%instant(:balance%contact(i)%events) <= last) > many_events
+      if (sampled) call estimate%sample_error(balance, i, transform)
       associate (contact => balance%contact(i))
          do k = 1, contact%events
             if (contact%instant(k) > last) exit
             call evaluate(u, balance%harmonic, contact%instant(k), p, slope, curvature)
-            if (allocated(wave)) then
-               place = contact%instant(k)/(2*pi)*size(wave)
+            if (sampled) then
+               place = contact%instant(k)/(2*pi)*transform%samples
                n = int(place)
-               error = wave(modulo(n, size(wave)) + 1)
-               error = error + (place - n)*(wave(modulo(n + 1, size(wave)) + 1) - error)
+               error = transform%sample(modulo(n, transform%samples) + 1)
+               error = error + (place - n)*(transform%sample(modulo(n + 1, transform%samples) + 1) - error)
             else
                error = estimate%waveform_error(balance, i, contact%instant(k))
             end if
