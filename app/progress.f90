@@ -7,7 +7,7 @@ module progress
    use geartrain_analyses_analysis, only: spoken
    use geartrain_analyses_forecast, only: forecast_type
    use geartrain_analyses_list, only: analyses, number_of
-   use geartrain_base_numbers, only: counted, integer_text, significant
+   use geartrain_base_numbers, only: counted, integer_text, significant, text
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_frequency_unit, only: hertz_per_lambda
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type
@@ -157,7 +157,11 @@ contains
       if (analysis == 'settling by time') steps = 'mesh cycles'
       line = analysis//': '//counted(done, singular(steps), trim(steps))
       if (steps /= 'rows') then
-         call self%told(number)%with_unit(self%told(number)%number(frequency_ratio), place)
+         if (goes_over_parameter()) then
+            place = trim(self%case%response%parameter)//' = '//text(frequency_ratio)
+         else
+            call self%told(number)%with_unit(self%told(number)%number(frequency_ratio), place)
+         end if
          line = line//', '//place
       end if
       if (analysis == 'settling' .or. analysis == 'settling by time') &
@@ -168,6 +172,17 @@ contains
       else
          call complain(line//', after '//integer_text(int((now - self%begin)/self%rate))//' s')
       end if
+
+   contains
+
+      !> Whether the branch goes over a parameter, of which `frequency_ratio` is the value.
+      logical function goes_over_parameter()
+         goes_over_parameter = .false.
+         if (.not. allocated(self%case%response)) return
+         if (number == number_of('response') .or. analysis == 'branch') &
+            goes_over_parameter = self%case%response%parameter /= ''
+      end function goes_over_parameter
+
    end subroutine on_step
 
    !> Writes how long an analysis will take and what makes it long, once it is known.

@@ -202,6 +202,7 @@ def test_masses_of_planets_add_to_the_carrier():
         ({"planets": None, "angles": (0.0, 120.0, 239.0)}, "angles value 3 = 239.0: cannot be assembled: .* the nearest is 240"),
         ({"tip_diameter": (0.073, 0.09, 0.24)}, "sun meshes: teeth = 17, 22: must give a transverse contact ratio > 1"),
         ({"stiffness": (1.0, 2.0, 3.0)}, "stiffness = 3 values: must be 2 values"),
+        ({"planet_errors": (0.0, 2e-6, 3.0)}, "planet_errors value 3 = 3.0: must be smaller than the module, 0.004 m"),
         ({"planets": None}, "lacks planets"),
         ({"planet_inertia": None}, "lacks planet_inertia"),
     ],

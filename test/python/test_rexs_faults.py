@@ -255,6 +255,7 @@ def outcome(path):
     ("mesh 1 driving", "0 0.5\n1 0.5\n", [":1: error: tooth '0': must be 1"]),
     ("mesh 1 driving", "0.5\n1500\n", [":2: error: '1500' um: must be at most 1 mm; a heading"]),
     ("mesh 1 driving", "error [m]\n5\n", [":2: error: '5' m: must be at most 1 mm"]),
+    ("mesh 1 driving", "0\n3e-6\n-2e-6\n", ["error: the largest error is 3e-12 m: must be at least 1e-9 m; a heading"]),
     ("mesh 1 driving", "error [inch]\n5\n", [":1: error: unit 'inch': must be [um], [mm] or [m]"]),
     ("mesh 1 driving", "# [um]\n# [mm]\n5\n", [":2: error: unit 'mm'"]),
     ("mesh 1 driving", "\n# nothing\n", ["table.txt: error: has no numbers"]),

@@ -345,3 +345,33 @@ def test_no_motion_to_begin_with(train):
     """It begins with the state reached, and says so."""
     ramp = train.run_up(start=0.9, stop=0.95, duration=0.01, max_periods=2)
     assert ramp.complete and ramp.start_period == 0 and "no steady motion was found at Lambda = 0.9" in ramp.ended
+
+
+@pytest.fixture
+def planetary():
+    """A planetary set whose ring is held: the text of its case, without analyses."""
+    return (CASES / "planetary.nml").read_text("utf-8").split("&modes")[0]
+
+
+def test_reaction_torques(tmp_path, planetary):
+    """At nearly constant speed the windows have the extremes of the steady motion."""
+    case = tmp_path / "planetary.nml"
+    case.write_text(planetary + "&modes /\n")
+    train = gt.read_case(case).train
+    steady = train.integrate(3000.0, unit="rpm")
+    ramp = train.run_up(start=3000.0, stop=3000.00001, unit="rpm", duration=0.02)
+    assert ramp.held_label == ("ring",) and ramp.reaction_torque.shape == (len(ramp.time), 1)
+    assert ramp.reaction_torque_maximum[1:-1] == pytest.approx(steady.reaction_torque_maximum[0], rel=1e-6)
+    assert ramp.reaction_torque_minimum[1:-1] == pytest.approx(steady.reaction_torque_minimum[0], rel=1e-6)
+    assert {"reaction_torque", "reaction_torque_maximum"} <= set(ramp.to_dataset().data_vars)
+
+
+def test_checkpoints_before_the_first_sample(executable, tmp_path, planetary):
+    """While a lightly damped train with a held body settles, its file is written without samples."""
+    for old, new in (("torque = 300.0", "torque = 0.01"), ("ratio = 0.01", "ratio = 1e-4"), ("ratio = 0.05", "ratio = 1e-3")):
+        assert old in planetary
+        planetary = planetary.replace(old, new)
+    case = tmp_path / "light.nml"
+    case.write_text(planetary + "&run_up from = 3000, to = 3010, unit = 'rpm', duration = 0.02 /\n")
+    said = run(executable, case.name, cwd=tmp_path)
+    assert said.returncode == 0 and "without this checkpoint" not in said.stderr

@@ -14,8 +14,8 @@ __all__ = ["PitchTable", "read_pitch_table"]
 _LARGEST = 4 * 2**20
 #: Units that a heading may name [m].
 _UNITS = {"um": 1e-6, "\N{MICRO SIGN}m": 1e-6, "\N{GREEK SMALL LETTER MU}m": 1e-6, "mm": 1e-3, "m": 1.0}
-#: Larger errors are a mistake of the unit [m].
-_MOST = 1e-3
+#: Larger errors, and a table whose largest error is smaller, are a mistake of the unit [m].
+_MOST, _LEAST = 1e-3, 1e-9
 
 
 class PitchTable(NamedTuple):
@@ -61,6 +61,10 @@ def read_pitch_table(path: str | os.PathLike[str]) -> PitchTable:
                              f"{'' if unit else '; a heading with [um], [mm] or [m] gives the unit'}")
     if not found:
         raise InputError(f"{name}: error: has no numbers: must have a pitch error a tooth")
+    largest = max(map(abs, found))
+    if 0 < largest < _LEAST:
+        raise InputError(f"{name}: error: the largest error is {largest:.3g} m: must be at least 1e-9 m"
+                         f"{'' if unit else '; a heading with [um], [mm] or [m] gives the unit'}")
     return PitchTable(found, unit is not None, last)
 
 

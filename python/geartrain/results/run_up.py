@@ -76,6 +76,10 @@ class RunUp(Table, Recording):
         Extremes over each window [N], between samples as well.
     shaft_torque_minimum, shaft_torque_maximum : ndarray, (windows, shafts)
         Likewise [N m].
+    reaction_torque : ndarray, (samples, held bodies), or None
+        Torque by which each held body is held [N m]; None where none is held.
+    reaction_torque_minimum, reaction_torque_maximum : ndarray, (windows, held bodies), or None
+        Likewise over each window.
     state : ndarray
         At the end of the last window, as ``Motion.state``.
     start_period : int
@@ -91,8 +95,8 @@ class RunUp(Table, Recording):
         Why it ended, in words.
     complete : bool
         Whether it reached the end of the ramp.
-    mesh_label, shaft_label : tuple of str
-        Of each mesh and of each shaft.
+    mesh_label, shaft_label, held_label : tuple of str
+        Of each mesh, of each shaft and of each held body.
     train : Train or None
     """
 
@@ -119,6 +123,10 @@ class RunUp(Table, Recording):
     train: Description | None = None
     start_settling: float = 0.0
     start_ringing: float = float("nan")
+    reaction_torque: Array | None = None
+    reaction_torque_minimum: Array | None = None
+    reaction_torque_maximum: Array | None = None
+    held_label: tuple[str, ...] | None = None
 
     def __repr__(self) -> str:
         return f"<RunUp over {self.time[-1]:.6g} s, {len(self.time)} samples: {in_own_unit(self.ended, self.train)}>"

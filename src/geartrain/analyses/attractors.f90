@@ -117,8 +117,8 @@ contains
                             &range of &response and with its settings'), settings%follow)
       call v%on_integer(row('harmonics', '', 'harmonics of Lambda to store; 0: 16 times the highest mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
-      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled start is given up; 0: 2000, &
-                            &of long periods as many as 40000 cycles of the fastest mesh, but 100', least=one, automatic=zero), &
+      call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled start is given up; 0: as &
+                            &in an integration', least=one, automatic=zero), &
                         settings%max_periods)
       call v%on_real(row('tolerance', '', 'relative change per period at which a motion counts as settled', &
                          above=zero, most=one), settings%tolerance)

@@ -87,8 +87,8 @@ contains
       call v%on_integer(row('harmonics', '', 'harmonics of Lambda to store; 0: 16 times the highest mesh order', &
                             least=one, most=most_harmonics*one, automatic=zero), settings%harmonics)
       call v%on_integer(row('max_periods', '', 'periods of the fundamental after which an unsettled motion is given up; with a &
-                            &window at most 1000 cycles of the slowest mesh; 0: 2000, of long periods as many as 40000 cycles of &
-                            &the fastest mesh, but 100', least=one, automatic=zero), settings%max_periods)
+                            &window at most 1000 cycles of the slowest mesh; 0: 2000, or 40000 cycles of the fastest mesh if &
+                            &fewer, but 100', least=one, automatic=zero), settings%max_periods)
       call v%on_integer(row('window', '', 'window of the results in cycles of the slowest mesh, after settling by time constants; &
                             &0: at least 100 where the period has more than 200 such cycles, or 10 with an idle mesh; else one &
                             &period', least=one, most=1e6*one, &

@@ -89,8 +89,8 @@ contains
       call v%on_integer(row('samples', '', 'samples per period of the fundamental at the higher frequency; 0: at least 32 per &
                             &cycle of the fastest mesh', &
                             least=one, most=most_samples*one, automatic=zero), settings%samples)
-      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental, of long &
-                            &periods at most 40000 cycles of the fastest mesh, but 100; 0: start at &
+      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental, at &
+                            &most those of an integration with 0; 0: start at &
                             &rest, or from the motion given in a call', least=zero), settings%max_periods)
       call v%leave()
    end subroutine visit_variables
@@ -255,11 +255,18 @@ contains
          call fields%index_axis('mesh', n, about_mesh)
          n = merge(size(train%shafts), 0, result%samples > 0)
          call fields%index_axis('shaft', n, 'shaft, in the order of the train')
+         ! Without samples these axes are as empty as those before: other groups may have them.
          n = 0
-         if (allocated(train%bodies) .and. result%samples > 0) n = count(train%bodies%held)
-         if (fields%has('reaction_torque', n > 0)) call fields%index_axis('held', n, about_held)
-         n = merge(count(train%meshes%is_coupling), 0, result%samples > 0)
-         if (fields%has('coupling_torque', n > 0)) call fields%index_axis('coupling', n, about_coupling)
+         if (allocated(train%bodies)) n = count(train%bodies%held)
+         if (fields%has('reaction_torque', n > 0)) then
+            if (result%samples == 0) n = 0
+            call fields%index_axis('held', n, about_held)
+         end if
+         n = count(train%meshes%is_coupling)
+         if (fields%has('coupling_torque', n > 0)) then
+            if (result%samples == 0) n = 0
+            call fields%index_axis('coupling', n, about_coupling)
+         end if
          n = 0
          if (allocated(result%state)) n = size(result%state)
          call fields%index_axis('coordinate', n, 'displacement of each elastic element of the tree, then velocities')

@@ -9,6 +9,9 @@ module geartrain_analyses_run_up_pulling
    private
    public :: say_pulling
 
+   !> Force that is rounding, over the largest force of the mesh [1].
+   real(dp), parameter :: rounding = 1e-9_dp
+
 contains
 
    !> Finds the first mesh whose force changes its sign though its unloaded flanks do not touch, as far as the samples show.
@@ -34,8 +37,11 @@ contains
          coasts = static_force(i) < 0
          associate (mesh => plain%meshes(i), p => result%displacement(i, :result%samples)*plain%characteristic_length)
             if (mesh%half_backlash <= 0 .or. mesh%axis > 0) cycle
-            if (.not. coasts .and. minval(result%force_minimum(i, :windows)) >= 0) cycle
-            if (coasts .and. maxval(result%force_maximum(i, :windows)) <= 0) cycle
+            ! Where teeth are apart the force is 0 to rounding.
+            associate (least => rounding*maxval(abs([result%force_minimum(i, :windows), result%force_maximum(i, :windows)])))
+               if (.not. coasts .and. minval(result%force_minimum(i, :windows)) >= -least) cycle
+               if (coasts .and. maxval(result%force_maximum(i, :windows)) <= least) cycle
+            end associate
             if (.not. coasts .and. minval(p) < -mesh%half_backlash .or. coasts .and. maxval(p) > mesh%half_backlash) cycle
             note = ''
             if (mesh%damping_acts == 'always') note = " and while they are apart. With damping_acts = 'contact' in &"// &

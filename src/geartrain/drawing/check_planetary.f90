@@ -132,7 +132,7 @@ contains
       class(checker_type), intent(inout) :: checker
       character(*), parameter :: member(3) = [character(6) :: 'sun', 'planet', 'ring']
       logical :: has(3)
-      integer :: i
+      integer :: i, worst
 
       has = [numbers%has(1), .true., numbers%has(2)]
       if (.not. is_given(set%teeth)) then
@@ -161,6 +161,10 @@ contains
          if (size(set%planet_errors) /= numbers%planets .and. numbers%planets > 0) &
             call checker%complain('planet_errors', integer_text(size(set%planet_errors))//' values', 'must be '// &
                                   integer_text(numbers%planets)//' values, one a planet')
+         worst = maxloc(abs(set%planet_errors), 1)
+         if (abs(set%planet_errors(worst)) >= set%normal_module) &
+            call checker%complain('planet_errors', real_text(set%planet_errors(worst)), 'must be smaller than the module, '// &
+                                  real_text(set%normal_module)//' m: a micrometre is 1e-6', worst)
       end if
       call check_pair('backlash', set%backlash)
       call check_pair('half_backlash', set%half_backlash)

@@ -64,20 +64,20 @@ contains
       type(flow_type), intent(in) :: flow
       !> Number of the mesh; region of its law during the step.
       integer, intent(in) :: mesh, region
-      real(dp) :: total
+      real(dp) :: velocity(0:flow%order), total
       integer :: i, k, l
 
+      ! Times powers of the length: products of the coefficients alone overflow where a step is short.
+      velocity = flow%v(1, flow%system%mesh_element(mesh), :)*flow%length**[(k, k=0, flow%order)]
+      ! The integral of the square, term by term.
       energy_loss = 0
-      associate (v => flow%v(1, flow%system%mesh_element(mesh), :))
-         ! The integral of v**2, term by term.
-         do k = 2*flow%order, 0, -1
-            total = 0
-            do l = max(0, k - flow%order), min(k, flow%order)
-               total = total + v(l + 1)*v(k - l + 1)
-            end do
-            energy_loss = energy_loss*flow%length + total/(k + 1)
+      do k = 2*flow%order, 0, -1
+         total = 0
+         do l = max(0, k - flow%order), min(k, flow%order)
+            total = total + velocity(l)*velocity(k - l)
          end do
-      end associate
+         energy_loss = energy_loss + total/(k + 1)
+      end do
       energy_loss = flow%system%law(mesh)%damping(region)*flow%length*energy_loss
       ! A force that sticks does no work, and a slipping one is constant.
       do i = 1, flow%friction%count
