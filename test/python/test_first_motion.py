@@ -56,3 +56,24 @@ def test_a_train_that_rings_for_long():
     same = train.response(start=0.84, stop=0.819, **asked)  # where Newton's method from rest finds a motion
     assert branch.complete and same.complete
     np.testing.assert_allclose(branch.at(0.82)[0].rms, same.at(0.82)[0].rms, rtol=0, atol=1e-9 * branch.rms.max())
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
+def test_a_first_motion_of_few_harmonics_gets_as_many_as_the_tolerance_needs(tolerance):
+    """A coupling hits its stops: from 6 harmonics, a third off, Newton's method does not lead to 200; the flow does."""
+    bodies = [gt.Body(name="a", inertia=0.01, torque=50.0, torque_cos=[10.0, 5.0], torque_sin=[0.0, 8.0]),
+              gt.Body(name="b", inertia=0.004), gt.Body(name="c", inertia=0.02),
+              gt.Body(name="d", inertia=0.05, balances=True, damping_to_ground=0.5)]
+    mesh = gt.Mesh(between=("b", "c"), driving_radius=0.05, driven_radius=0.08, order=6, stiffness=3e8, stiffness_cos=[0.2],
+                   damping=2000.0, half_backlash=1e-5, error_cos=[1e-6])
+    train = gt.Train(characteristic_frequency=774.4, characteristic_length=2.193e-5, bodies=bodies, meshes=[mesh],
+                     shafts=[gt.Shaft(between=("c", "d"), damping=2.0, stiffness=3e4)],
+                     couplings=[gt.Coupling(between=("a", "b"), damping=0.5, half_play=0.008793, stiffness=8000.0)])
+    branch = train.response(start=0.5408, stop=0.5462, harmonics=0, tolerance=tolerance, max_points=4)
+    motion = branch.at(0.5408)[0]
+    exact = motion.refine()
+    # 384 harmonics, the most, leave an estimate of 4e-6.
+    assert branch.error_estimate[0] < max(tolerance, 5e-6) and branch.harmonics[0] >= 200
+    assert motion.rms == pytest.approx(exact.rms, rel=max(tolerance, 5e-6))
+    assert motion.stable and not motion.undecided

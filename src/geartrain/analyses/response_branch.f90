@@ -19,6 +19,7 @@ module geartrain_analyses_response_branch
    use geartrain_trace_both_ways, only: trace_both_ways
    use geartrain_trace_branch, only: branch_type, coefficients_of, response_settings_type
    use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_first_harmonics, only: adapt_first
    use geartrain_trace_first_motion, only: find_start
    use geartrain_trace_interruption, only: drop_step
    use geartrain_trace_large_amplitude, only: followed_out, trace_through
@@ -173,9 +174,7 @@ contains
          call tracer%note_state(branch%trace)
          call find_start(train, tracer, from, to, solution, success, enough, stopped, observer)
          if (stopped .and. .not. tracer%system%interrupt%raised()) then
-            outcome = cancelled
-            branch%cancelled = .true.
-            reason = 'cancelled at '//lambda(from)
+            call tell_cancelled()
             return
          end if
          if (.not. success) then
@@ -195,11 +194,24 @@ contains
             tracer%segment = branch%segment(branch%points) + 1
          end if
          call tracer%corrector%orient(solution, merge(1, -1, to > from))
-         call tracer%adapt(solution, success, fixed=.true.)
+         call adapt_first(tracer, merge(1, -1, to > from), solution, stopped, observer)
+         if (stopped .and. .not. tracer%system%interrupt%raised()) then
+            call tell_cancelled()
+            return
+         end if
          call tracer%record(solution, branch)
       end if
       began = solution
       call trace_through(tracer, solution, to, branch, outcome, reason, observer, began)
+
+   contains
+
+      subroutine tell_cancelled()
+         outcome = cancelled
+         branch%cancelled = .true.
+         reason = 'cancelled at '//lambda(from)
+      end subroutine tell_cancelled
+
    end subroutine trace_from_end
 
    !> Whether a solution is the last point of the branch.
