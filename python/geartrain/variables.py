@@ -275,7 +275,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "duration": Variable("duration", "real", "float", None, True, "Time from the beginning to the end; [s]; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Rpm only where every mesh has teeth; 'Lambda', 'rpm' or 'Hz'"),
         "samples": Variable("samples", "integer", "int", 0, False, "Samples per period of the fundamental at the higher frequency; 0: at least 32 per cycle of the fastest mesh; 1 to 1.0e8, or 0"),
-        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Longest settling before the run-up, in periods of the fundamental, at most those of an integration with 0; 0: start at rest, or from the motion given in a call; >= 0"),
+        "max_periods": Variable("max_periods", "integer", "int", 2000, False, "Longest settling before the run-up, in periods of the fundamental, never more than an integration takes by default; 0: start at rest, or from the motion given in a call; >= 0"),
     },
     "locus": {
         "kind": Variable("kind", "text", "Literal['fold', 'period_doubling', 'neimark-sacker', 'branch_point', 'separation', 'back_contact']", "fold", False, "Kind of the point; separation and back_contact are the onsets of tooth separation and of contact of the back flanks; 'fold', 'period_doubling', 'neimark-sacker', 'branch_point', 'separation' or 'back_contact'"),

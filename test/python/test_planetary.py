@@ -213,6 +213,14 @@ def test_wrong_sets_are_refused(more, message):
         gt.Train(bodies=BODIES, planetaries=[gt.Planetary(name="stage 1", sun="sun", ring="ring", carrier="arm", **given)])
 
 
+def test_a_set_without_a_module_lacks_that_alone():
+    given = {"teeth": (17, 22, 61), "planets": 3, "planet_inertia": 2.2e-3, "stiffness": 1e9, **COMMON, "normal_module": None}
+    members = gt.Planetary(name="stage 1", sun="sun", ring="ring", carrier="arm", planet_errors=(0.0, 2e-6, -1e-6), **given)
+    with pytest.raises(gt.InputError, match="lacks normal_module") as said:
+        gt.Train(bodies=BODIES, planetaries=[members])
+    assert "planet_errors" not in str(said.value)
+
+
 def test_a_number_of_planets_out_of_range_is_told_at_once(tmp_path):
     """Nothing is made of a set before its numbers are in range: a thousand million planets took minutes and all memory."""
     path = tmp_path / "case.nml"

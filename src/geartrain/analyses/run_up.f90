@@ -89,8 +89,8 @@ contains
       call v%on_integer(row('samples', '', 'samples per period of the fundamental at the higher frequency; 0: at least 32 per &
                             &cycle of the fastest mesh', &
                             least=one, most=most_samples*one, automatic=zero), settings%samples)
-      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental, at &
-                            &most those of an integration with 0; 0: start at &
+      call v%on_integer(row('max_periods', '', 'longest settling before the run-up, in periods of the fundamental, &
+                            &never more than an integration takes by default; 0: start at &
                             &rest, or from the motion given in a call', least=zero), settings%max_periods)
       call v%leave()
    end subroutine visit_variables

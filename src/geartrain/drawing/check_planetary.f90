@@ -162,7 +162,7 @@ contains
             call checker%complain('planet_errors', integer_text(size(set%planet_errors))//' values', 'must be '// &
                                   integer_text(numbers%planets)//' values, one a planet')
          worst = maxloc(abs(set%planet_errors), 1)
-         if (abs(set%planet_errors(worst)) >= set%normal_module) &
+         if (set%normal_module > 0 .and. abs(set%planet_errors(worst)) >= set%normal_module) &
             call checker%complain('planet_errors', real_text(set%planet_errors(worst)), 'must be smaller than the module, '// &
                                   real_text(set%normal_module)//' m: a micrometre is 1e-6', worst)
       end if

@@ -78,7 +78,7 @@ contains
 
    !> Rounding in the value after all steps. Where rounding is all that is left, some neighbours in the table are close to one
    !> another by chance, and say little about the error. The last three differences of a column are rarely so: the column
-   !> where they differ least tells the rounding over the shortest step. It grows as steps become shorter.
+   !> where they differ least tells the rounding over the shortest step. Over a step twice as long it is half as large.
    pure real(dp) function rounding(self)
       class(differences_type), intent(in) :: self
       integer :: j

@@ -163,7 +163,7 @@ contains
    subroutine sample(u, harmonic, transform, derivative)
       !> Coefficients, (1 + 2*harmonics).
       real(dp), intent(in) :: u(:)
-      !> Orders h, ascending, (harmonics).
+      !> Orders h, (harmonics).
       integer, intent(in) :: harmonic(:)
       !> Planned; transform%sample gets the values.
       type(transform_type), intent(inout) :: transform

@@ -36,7 +36,7 @@ contains
       type(solution_point_type) :: few
       type(motion_type) :: motion
       real(dp) :: state(tracer%system%states)
-      integer :: fewest, highest, most, all
+      integer :: fewest, highest, most, allowed
       logical :: success
 
       stopped = .false.
@@ -45,8 +45,8 @@ contains
       associate (settings => tracer%settings, balance => tracer%corrector%balance)
          if (allocated(balance%path) .or. balance%has_long_period()) return
          fewest = balance%highest
-         all = most_harmonics(tracer%system, settings%subharmonic, settings%repeats)
-         most = min(all, most_unknowns/(2*balance%unknowns))
+         allowed = most_harmonics(tracer%system, settings%subharmonic, settings%repeats)
+         most = min(allowed, most_unknowns/(2*max(1, balance%unknowns)))
          if (most <= fewest) return
          few = solution
          call state_of(tracer%system, motion_at(tracer, solution), state)
@@ -63,7 +63,7 @@ contains
             if (.not. success) cycle
             call tracer%corrector%orient(solution, direction)
             call tracer%estimate_error(solution)
-            if (tracer%estimate%limited <= settings%tolerance .or. highest == all) return
+            if (tracer%estimate%limited <= settings%tolerance .or. highest == allowed) return
          end do
       end associate
       call tracer%prepare(fewest)
