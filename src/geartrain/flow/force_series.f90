@@ -1,4 +1,4 @@
-!> The force of a mesh over a step of the flow as a Taylor series, and its integral.
+!> Taylor series over a step of the flow: of the force of a mesh; extremes and integrals of any.
 module geartrain_flow_force_series
    use geartrain_base_kinds, only: dp
    use geartrain_flow_flow, only: flow_type
@@ -6,7 +6,7 @@ module geartrain_flow_force_series
    use geartrain_linalg_first_root, only: polynomial, root_between
    implicit none (type, external)
    private
-   public :: energy_loss, extend_range, force_series, impulse, include
+   public :: energy_loss, force_series, include, integral, integral_of_square
 
 contains
 
@@ -41,22 +41,35 @@ contains
       force = flow%system%load_unit(mesh)*force
    end subroutine force_series
 
-   !> Integral of the force of a mesh over the latest step, by time times characteristic frequency [N].
-   pure real(dp) function impulse(flow, mesh, region)
-      !> The flow, after a step.
-      type(flow_type), intent(in) :: flow
-      !> Number of the mesh; region of its law during the step.
-      integer, intent(in) :: mesh, region
-      real(dp) :: force(0:flow%order)
+   !> Integral of a Taylor series over a step.
+   pure real(dp) function integral(series, length)
+      !> Taylor coefficients, (0:order); length of the step [1].
+      real(dp), intent(in) :: series(0:), length
       integer :: k
 
-      call force_series(flow, mesh, region, force)
-      impulse = 0
-      do k = flow%order, 0, -1
-         impulse = impulse*flow%length + force(k)/(k + 1)
+      integral = 0
+      do k = ubound(series, 1), 0, -1
+         integral = integral*length + series(k)/(k + 1)
       end do
-      impulse = impulse*flow%length
-   end function impulse
+      integral = integral*length
+   end function integral
+
+   !> Integral of the square of a Taylor series over a step.
+   pure real(dp) function integral_of_square(series, length) result(total)
+      !> Taylor coefficients, (0:order); length of the step [1].
+      real(dp), intent(in) :: series(0:), length
+      real(dp) :: term(0:ubound(series, 1))
+      integer :: k, l, n
+
+      n = ubound(series, 1)
+      ! Times powers of the length: products of the coefficients alone overflow where a step is short.
+      term = series*length**[(k, k=0, n)]
+      total = 0
+      do k = 2*n, 0, -1
+         total = total + sum([(term(l)*term(k - l), l=max(0, k - n), min(k, n))])/(k + 1)
+      end do
+      total = length*total
+   end function integral_of_square
 
    !> Energy that a mesh loses over the latest step [J].
    pure real(dp) function energy_loss(flow, mesh, region)
@@ -64,21 +77,10 @@ contains
       type(flow_type), intent(in) :: flow
       !> Number of the mesh; region of its law during the step.
       integer, intent(in) :: mesh, region
-      real(dp) :: velocity(0:flow%order), total
-      integer :: i, k, l
+      integer :: i
 
-      ! Times powers of the length: products of the coefficients alone overflow where a step is short.
-      velocity = flow%v(1, flow%system%mesh_element(mesh), :)*flow%length**[(k, k=0, flow%order)]
-      ! The integral of the square, term by term.
-      energy_loss = 0
-      do k = 2*flow%order, 0, -1
-         total = 0
-         do l = max(0, k - flow%order), min(k, flow%order)
-            total = total + velocity(l)*velocity(k - l)
-         end do
-         energy_loss = energy_loss + total/(k + 1)
-      end do
-      energy_loss = flow%system%law(mesh)%damping(region)*flow%length*energy_loss
+      energy_loss = flow%system%law(mesh)%damping(region) &
+                    *integral_of_square(flow%v(1, flow%system%mesh_element(mesh), :), flow%length)
       ! A force that sticks does no work, and a slipping one is constant.
       do i = 1, flow%friction%count
          if (flow%friction%mesh(i) /= mesh) cycle
@@ -87,19 +89,6 @@ contains
       end do
       energy_loss = flow%system%energy_unit(mesh)*energy_loss
    end function energy_loss
-
-   !> Extends the largest value, and the largest value of the other sign, by those of a Taylor series over a step.
-   pure subroutine extend_range(series, length, largest)
-      !> Taylor coefficients, (0:order); length of the step [1].
-      real(dp), intent(in) :: series(0:), length
-      !> Largest value and largest value of the negative.
-      real(dp), intent(inout) :: largest(2)
-      real(dp) :: low
-
-      low = -largest(2)
-      call include(series, length, low, largest(1))
-      largest(2) = -low
-   end subroutine extend_range
 
    !> Includes the values of a Taylor series over a step in a range. A step is shorter than a period of the fastest vibration: in
    !> either half of it the slope changes sign once at most.

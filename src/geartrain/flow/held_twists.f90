@@ -4,7 +4,7 @@
 module geartrain_flow_held_twists
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_force_series, only: extend_range, force_series
+   use geartrain_flow_force_series, only: force_series, include
    use geartrain_flow_kept_states, only: keeps
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_sections, only: sections_type
@@ -55,11 +55,13 @@ contains
       !> Middle twist less twist [1], (state); 0 of all else.
       real(dp), intent(out) :: change(:)
       type(flow_type) :: flow
-      real(dp) :: largest(2, system%meshes), end_time, series(0:flow_order)
+      real(dp), dimension(system%meshes) :: low, high
+      real(dp) :: end_time, series(0:flow_order)
       integer :: contact(system%meshes), i, j
 
       change = 0
-      largest = -huge(1.0_dp)
+      low = huge(1.0_dp)
+      high = -huge(1.0_dp)
       call flow%setup(system, 1, flow_order, flow_tolerance)
       flow%x(1, :) = state
       end_time = 2*pi/frequency_ratio
@@ -72,15 +74,15 @@ contains
             do j = 1, system%meshes
                if (.not. system%friction(j) > 0) cycle
                call force_series(flow, j, contact(j), series)
-               call extend_range(series/system%load_unit(j), flow%length, largest(:, j))
+               call include(series/system%load_unit(j), flow%length, low(j), high(j))
             end do
          end do
       end do
       do j = 1, system%meshes
          associate (n => system%mesh_element(j))
             if (.not. system%friction(j) > 0 .or. n > system%coordinates) cycle
-            if (held(n)) change(n) = mean_twist(system%law(j), largest(1, j) - system%friction(j), &
-                                                system%friction(j) - largest(2, j)) - state(n)
+            if (held(n)) change(n) = mean_twist(system%law(j), high(j) - system%friction(j), &
+                                                low(j) + system%friction(j)) - state(n)
          end associate
       end do
    end subroutine find_middle_twists

@@ -5,13 +5,12 @@ module geartrain_flow_orbit
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_observer, only: observer_type
+   use geartrain_flow_figures, only: figures_type
    use geartrain_flow_floating, only: is_floating
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_bearing_figures, only: measure_bearings
-   use geartrain_flow_friction_figures, only: correct_torques
-   use geartrain_flow_force_series, only: energy_loss, extend_range, force_series, impulse
-   use geartrain_flow_sampled_peak, only: peak
-   use geartrain_flow_shaft_torque, only: add_torques, linear_forces
+   use geartrain_flow_force_series, only: force_series
+   use geartrain_flow_shaft_torque, only: torque_series
+   use geartrain_flow_taylor, only: series_values
    use geartrain_flow_uncertainty, only: figure_uncertainty_type, uncertainty_of
    use geartrain_flow_window, only: cycle_time
    use geartrain_linalg_fftw, only: transform_type
@@ -78,8 +77,8 @@ contains
    end subroutine begin_tangents
 
    !> Samples a period of an orbit, or a window of a flow, at equidistant instants, the first at phase 0.
-   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, share, largest, torque, rate, window, &
-                           observer, stopped, mean, loss, piece, reach_of)
+   subroutine sample_orbit(system, frequency_ratio, period, state, displacement, force, torque, rate, window, figures, &
+                           observer, stopped)
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; state at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
@@ -87,36 +86,25 @@ contains
       integer, intent(in) :: period
       !> Mesh displacements over characteristic length [1], (samples, mesh); 0, as all samples, where the flow was ended early.
       real(dp), intent(out) :: displacement(:, :)
-      !> Mesh forces over k b_c [1], damping included, (samples, mesh).
+      !> Mesh forces [N], of couplings [N m], damping included, (samples, mesh).
       real(dp), intent(out), optional :: force(:, :)
-      !> Shares of the period on the back flank, in separation and on the drive flank [1], (-1:1, mesh).
-      real(dp), intent(out), optional :: share(-1:, :)
-      !> Largest force and largest opposite force on either side of events [1], (2, mesh); 0 for a mesh without events.
-      real(dp), intent(out), optional :: largest(:, :)
-      !> Torques of the shafts [N m], (samples, shaft); `force` must be present too.
+      !> Torques of the shafts and what follows them in the torque paths [N m], (samples, row).
       real(dp), intent(out), optional :: torque(:, :)
       !> Mesh velocities, displacement derived by time [1], (samples, mesh).
       real(dp), intent(out), optional :: rate(:, :)
       !> Window in place of the period [periods of the fundamental]; absent or 0: the period.
       real(dp), intent(in), optional :: window
+      !> Gets extremes and means over all instants; 0 where the flow was ended early.
+      type(figures_type), intent(out), optional :: figures
       !> Told of 'settling by time' after each cycle of the slowest mesh of a window; may end the flow.
       class(observer_type), intent(inout), optional :: observer
       !> Whether the observer ended the flow.
       logical, intent(out), optional :: stopped
-      !> Mean force of the mesh of each planet, `system%sharing`, by integration [N], (planet).
-      real(dp), intent(out), optional :: mean(:)
-      !> Energy that each coupling loses in a period of the fundamental [J], (coupling).
-      real(dp), intent(out), optional :: loss(:)
-      !> Number of the part of the period between changes of dry friction, (samples).
-      integer, intent(out), optional :: piece(:)
-      !> Of a train with dry friction, whose changes may be extremes: largest p and largest -p [1], and mean force [N, of a
-      !> coupling N m], (3, mesh).
-      real(dp), intent(inout), optional :: reach_of(:, :)
       type(flow_type) :: flow
-      real(dp), allocatable :: phi(:, :), rubbing(:, :)
-      real(dp) :: spacing, stretch, begun, next_look, spent(-1:1, system%meshes), velocity(size(displacement, 1), system%meshes)
-      integer :: i, j, q, stretches, contact(system%meshes), changes
-      integer, allocatable :: mode(:)
+      real(dp) :: spacing, stretch, begun, next_look, forces(0:flow_order, system%meshes), &
+         torques(0:flow_order, system%torque_paths%rows)
+      real(dp), allocatable :: tau(:)
+      integer :: i, j, k, q, last, stretches, contact(system%meshes)
       logical :: keep_going, open
 
       call flow%setup(system, 1, flow_order, flow_tolerance)
@@ -131,29 +119,10 @@ contains
          stretches = 1
       end if
       spacing = stretches*stretch/size(displacement, 1)
+      if (present(figures)) call figures%setup(system)
       next_look = 0
       keep_going = .true.
-      call flow%start(frequency_ratio, 0.0_dp)
-      do j = 1, system%meshes
-         call flow%element_now(system%mesh_element(j), displacement(1, j), velocity(1, j))
-      end do
-      if (present(torque)) then
-         allocate (phi(size(displacement, 1), system%elements))
-         call linear_forces(flow, phi(1, :))
-      end if
-      spent = 0
-      if (present(largest)) then
-         largest = 0
-         if (flow%friction%count > 0) largest = -huge(1.0_dp)
-      end if
-      if (present(reach_of)) reach_of = spread([-huge(1.0_dp), -huge(1.0_dp), 0.0_dp], 2, system%meshes)
-      if (present(mean)) mean = 0
-      if (present(loss)) loss = 0
-      allocate (rubbing(merge(size(displacement, 1), 0, present(force)), flow%friction%count))
-      mode = flow%friction%mode
-      changes = 0
-      if (present(piece)) piece(1) = 0
-      q = 2
+      q = 1
       do i = 1, stretches
          call flow%start(frequency_ratio, 0.0_dp)
          do while (flow%time < stretch)
@@ -161,42 +130,34 @@ contains
             begun = flow%time
             contact = flow%contact
             call flow%step(stretch)
-            if (present(mean)) then
-               do j = 1, size(mean)
-                  associate (mesh => system%sharing%mesh(j))
-                     mean(j) = mean(j) + impulse(flow, mesh, contact(mesh))/(stretches*stretch)
-                  end associate
+            if (present(figures) .or. present(force) .or. present(torque)) then
+               do j = 1, system%meshes
+                  call force_series(flow, j, contact(j), forces(:, j))
                end do
+               if (present(figures) .or. present(torque)) call torque_series(flow, begun, forces, torques)
             end if
-            if (present(loss)) then
-               do j = 1, size(loss)
-                  associate (mesh => system%torque_paths%pairs + j)
-                     loss(j) = loss(j) + energy_loss(flow, mesh, contact(mesh))*(2*pi/frequency_ratio)/(stretches*stretch)
-                  end associate
-               end do
-            end if
-            do j = 1, system%meshes
-               associate (region => max(-1, min(1, contact(j))))
-                  spent(region, j) = spent(region, j) + flow%length
-               end associate
-               if (flow%contact(j) == contact(j) .or. .not. present(largest)) cycle
-               call reach(contact(j))
-               call reach(flow%contact(j))
+            if (present(figures)) call figures%follow(flow, contact, forces, torques)
+            last = q - 1
+            do while (last < size(displacement, 1))
+               if (last*spacing - (i - 1)*stretch - begun > flow%length) exit
+               last = last + 1
             end do
-            do while (q <= size(displacement, 1))
-               associate (t => (q - 1)*spacing - (i - 1)*stretch)
-                  if (t > flow%time) exit
-                  do j = 1, system%meshes
-                     displacement(q, j) = flow%displacement(j, t - begun)
-                     velocity(q, j) = flow%velocity(j, t - begun)
+            if (last >= q) then
+               tau = [((k - 1)*spacing - (i - 1)*stretch - begun, k=q, last)]
+               do j = 1, system%meshes
+                  associate (n => system%mesh_element(j))
+                     displacement(q:last, j) = series_values(flow%p(1, n, :), tau)
+                     if (present(rate)) rate(q:last, j) = series_values(flow%v(1, n, :), tau)
+                  end associate
+                  if (present(force)) force(q:last, j) = series_values(forces(:, j), tau)
+               end do
+               if (present(torque)) then
+                  do j = 1, size(torque, 2)
+                     torque(q:last, j) = series_values(torques(:, j), tau)
                   end do
-                  if (present(torque)) call linear_forces(flow, phi(q, :), t - begun)
-                  if (present(piece)) piece(q) = changes
-                  if (size(rubbing) > 0) rubbing(q, :) = flow%friction%forces_at(t - begun)
-               end associate
-               q = q + 1
-            end do
-            if (flow%friction%count > 0) call follow_friction()
+               end if
+               q = last + 1
+            end if
             if (.not. present(observer) .or. flow%time < next_look) cycle
             next_look = flow%time + cycle_time(system, frequency_ratio)
             call observer%on_step('settling by time', int(flow%time/cycle_time(system, frequency_ratio)), frequency_ratio, &
@@ -204,65 +165,14 @@ contains
          end do
       end do
       if (present(stopped)) stopped = .not. keep_going
-      if (present(share)) share = spent/(stretches*stretch)
-      if (system%interrupt%raised() .or. .not. keep_going) then
-         ! Nobody looks at the samples of a window that ended early, and there are many.
-         if (open) return
-         displacement = 0
-         if (present(rate)) rate = 0
-         if (present(force)) force = 0
-         if (present(torque)) torque = 0
-         return
-      end if
-      if (present(rate)) rate = velocity
-      if (.not. present(force)) return
-      do j = 1, system%meshes
-         if (open .and. system%interrupt%raised()) return
-         force(:, j) = [(system%law(j)%force(frequency_ratio*spacing*(q - 1), displacement(q, j), velocity(q, j)), q=1, &
-                         size(force, 1))]
-      end do
-      do j = 1, flow%friction%count
-         force(:, flow%friction%mesh(j)) = force(:, flow%friction%mesh(j)) + rubbing(:, j)
-      end do
-      if (.not. present(torque) .or. (open .and. system%interrupt%raised())) return
-      phi(:, system%mesh_element) = force
-      call add_torques(system, frequency_ratio, frequency_ratio*spacing, phi, torque)
-
-   contains
-
-      !> Takes the force of mesh j at the event just met as it is in a region beside it.
-      subroutine reach(region)
-         integer, intent(in) :: region
-         real(dp) :: p, v, phi
-
-         call flow%element_now(system%mesh_element(j), p, v)
-         associate (law => system%law(j))
-            phi = law%damping(region)*v
-            if (law%stiffness(region) > 0) &
-               phi = phi + law%stiffness_at(region, frequency_ratio*flow%time)*(p - law%origin(region)) &
-                     + law%offset_at(region, frequency_ratio*flow%time)
-         end associate
-         largest(:, j) = max(largest(:, j), [phi, -phi])
-      end subroutine reach
-
-      !> Takes the ranges of a train with friction over the latest step; counts changes of friction.
-      subroutine follow_friction()
-         real(dp) :: series(0:flow%order)
-         integer :: k
-
-         if (i == 1 .and. .not. begun > 0 .and. size(rubbing) > 0) rubbing(1, :) = flow%friction%forces_at(0.0_dp)
-         if (any(flow%friction%mode /= mode)) changes = changes + 1
-         mode = flow%friction%mode
-         if (.not. present(largest)) return
-         do k = 1, system%meshes
-            call force_series(flow, k, contact(k), series)
-            call extend_range(series/system%load_unit(k), flow%length, largest(:, k))
-            if (.not. present(reach_of)) cycle
-            call extend_range(flow%p(1, system%mesh_element(k), :), flow%length, reach_of(:2, k))
-            reach_of(3, k) = reach_of(3, k) + impulse(flow, k, contact(k))/(stretches*stretch)
-         end do
-      end subroutine follow_friction
-
+      if (q > size(displacement, 1)) return
+      ! Nobody looks at the samples of a window that ended early, and there are many.
+      if (open) return
+      displacement(q:, :) = 0
+      if (present(rate)) rate(q:, :) = 0
+      if (present(force)) force(q:, :) = 0
+      if (present(torque)) torque(q:, :) = 0
+      if (present(figures)) call figures%clear()
    end subroutine sample_orbit
 
    !> Number of harmonics of Lambda that are stored by default.
@@ -298,9 +208,8 @@ contains
 
       stored = harmonics
       if (stored == 0) stored = stored_harmonics(system)
-      ! Displacements, velocities and forces of meshes, forces of all elements, torques; the transform and its spectrum.
-      bytes = 8.0_dp*periods*measured_samples(system, stored) &
-              *(3*system%meshes + system%elements + system%torque_paths%rows + 2)
+      ! Displacements and, of a window, forces of meshes and torques; the transform and its spectrum.
+      bytes = 8.0_dp*periods*measured_samples(system, stored)*(2*system%meshes + system%torque_paths%torques + 2)
    end function memory_to_measure
 
    !> Computes the figures of a motion from its frequency, period and state.
@@ -316,12 +225,10 @@ contains
       !> Whether the observer ended the flow.
       logical, intent(out), optional :: stopped
       type(transform_type) :: transform
+      type(figures_type) :: figures
       real(dp), allocatable :: p(:, :), force(:, :), torque(:, :)
-      real(dp) :: share(-1:1, system%meshes), largest(2, system%meshes), mean_force(size(system%sharing%mesh)), &
-         loss(system%torque_paths%couplings), extreme(3, system%meshes)
-      real(dp) :: periods, static(system%elements)
+      real(dp) :: periods
       integer :: harmonics, lines, j, k, q
-      integer, allocatable :: piece(:)
       logical :: ended
 
       harmonics = wanted
@@ -330,27 +237,20 @@ contains
       if (motion%window > 0) periods = motion%window
       lines = nint(harmonics*periods)
       q = ceiling(periods*measured_samples(system, harmonics))
-      if (motion%window > 0) q = transform_length(q)
-      allocate (p(q, system%meshes), force(q, system%meshes), torque(q, system%torque_paths%rows), &
-                piece(q))
-      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, share, largest, torque, &
-                        window=motion%window, observer=observer, stopped=ended, mean=mean_force, loss=loss, &
-                        piece=piece, reach_of=extreme)
+      if (motion%window > 0) then
+         q = transform_length(q)
+         ! From these comes what a longer window would change.
+         allocate (force(q, system%meshes), torque(q, system%torque_paths%torques))
+      end if
+      allocate (p(q, system%meshes))
+      call sample_orbit(system, motion%frequency_ratio, motion%period, motion%state, p, force, torque, window=motion%window, &
+                        figures=figures, observer=observer, stopped=ended)
       if (present(stopped)) stopped = ended
       ! Figures of long windows take a second that nobody waits for any more.
       if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
-      motion%held = system%torque_paths%held
-      motion%couplings = system%torque_paths%couplings
-      if (size(loss) > 0) motion%coupling_energy_loss = loss
-      associate (torques => system%torque_paths%torques)
-         motion%shaft_torque_mean = sum(torque(:, :torques), 1)/q
-         motion%shaft_torque_minimum = [(-peak(-torque(:, j), motion%window > 0, piece), j=1, torques)]
-         motion%shaft_torque_maximum = [(peak(torque(:, j), motion%window > 0, piece), j=1, torques)]
-      end associate
-      if (any(system%friction > 0)) call correct_torques(system, extreme, largest, sum(force, 1)/q, motion)
-      if (system%torque_paths%bearings > 0) call measure_bearings(system, torque, motion)
+      call put_figures(system, figures, motion)
       if (motion%window > 0) then
-         call find_uncertainty(system, p, force, torque(:, :system%torque_paths%torques), motion)
+         call find_uncertainty(system, p, force, torque, motion)
          if (system%interrupt%raised()) return
       end if
       call transform%plan(q)
@@ -358,37 +258,6 @@ contains
       allocate (motion%coefficients(1 + 2*lines, system%meshes))
       motion%mean = sum(p, 1)/q
       motion%rms = [(sqrt(2*sum((p(:, j) - motion%mean(j))**2)/q), j=1, system%meshes)]
-      motion%minimum = [(-peak(-p(:, j), motion%window > 0), j=1, system%meshes)]
-      motion%maximum = [(peak(p(:, j), motion%window > 0), j=1, system%meshes)]
-      if (any(system%friction > 0)) then
-         motion%minimum = -extreme(2, :)
-         motion%maximum = extreme(1, :)
-      end if
-      if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
-      allocate (motion%mesh_load(system%meshes))
-      static = static_forces_at(system, motion%frequency_ratio)
-      do j = 1, system%meshes
-         if (any(system%friction > 0)) then
-            continue
-         else if (system%law(j)%peaks) then
-            associate (region => [(system%law(j)%region_at(p(k, j)), k=1, q)])
-               largest(:, j) = max(largest(:, j), [peak(force(:, j), motion%window > 0, region), &
-                                                      peak(-force(:, j), motion%window > 0, region)])
-            end associate
-         else
-            largest(:, j) = [peak(force(:, j), motion%window > 0), peak(-force(:, j), motion%window > 0)]
-         end if
-         call put_force(system, static, j, largest(1, j), largest(2, j), motion%mesh_load(j))
-         if (.not. system%half_backlash(j) > 0) cycle
-         motion%mesh_load(j)%separation = share(0, j)
-         motion%mesh_load(j)%back_contact = share(-1, j)
-      end do
-      if (size(mean_force) > 0) then
-         motion%load_share = mean_force
-         motion%load_share_maximum = mean_force
-         call system%sharing%find_shares(mean_force, motion%mesh_load(system%sharing%mesh)%force_maximum, motion%load_share, &
-                                         motion%load_share_maximum)
-      end if
       motion%floating = is_floating(system, motion)
       do j = 1, system%meshes
          transform%sample = p(:, j)
@@ -401,10 +270,57 @@ contains
       end do
    end subroutine measure
 
+   !> Sets extremes of displacements and forces, shares of contact, torques, forces of bearings, losses and load shares.
+   subroutine put_figures(system, figures, motion)
+      type(system_type), intent(in) :: system
+      type(figures_type), intent(in) :: figures
+      type(motion_type), intent(inout) :: motion
+      real(dp) :: static(system%elements), share(-1:1, system%meshes), mean_force(size(system%sharing%mesh))
+      integer :: form(2), j
+
+      motion%minimum = figures%displacement%low
+      motion%maximum = figures%displacement%high
+      share = figures%spent/figures%length
+      if (allocated(motion%mesh_load)) deallocate (motion%mesh_load)
+      allocate (motion%mesh_load(system%meshes))
+      static = static_forces_at(system, motion%frequency_ratio)
+      do j = 1, system%meshes
+         associate (force => figures%force(j), load => motion%mesh_load(j), unit => system%load_unit(j))
+            call put_force(system, static, j, force%high/unit, -force%low/unit, load)
+            if (.not. system%half_backlash(j) > 0) cycle
+            load%separation = share(0, j)
+            load%back_contact = share(-1, j)
+         end associate
+      end do
+      motion%held = system%torque_paths%held
+      motion%couplings = system%torque_paths%couplings
+      if (motion%couplings > 0) motion%coupling_energy_loss = figures%loss/figures%length*(2*pi/motion%frequency_ratio)
+      associate (torque => figures%torque(:system%torque_paths%torques))
+         motion%shaft_torque_mean = torque%integral/figures%length
+         motion%shaft_torque_minimum = torque%low
+         motion%shaft_torque_maximum = torque%high
+      end associate
+      if (system%torque_paths%bearings > 0) then
+         form = [2, system%torque_paths%bearings]
+         associate (force => figures%torque(system%torque_paths%torques + 1:))
+            motion%bearing_force_mean = reshape(force%integral/figures%length, form)
+            motion%bearing_force_rms = reshape(figures%bearing_rms(), form)
+            motion%bearing_force_minimum = reshape(force%low, form)
+            motion%bearing_force_maximum = reshape(force%high, form)
+         end associate
+      end if
+      if (size(mean_force) == 0) return
+      mean_force = figures%force(system%sharing%mesh)%integral/figures%length
+      motion%load_share = mean_force
+      motion%load_share_maximum = mean_force
+      call system%sharing%find_shares(mean_force, motion%mesh_load(system%sharing%mesh)%force_maximum, motion%load_share, &
+                                      motion%load_share_maximum)
+   end subroutine put_figures
+
    !> Sets what a longer window would change of the figures.
    subroutine find_uncertainty(system, p, force, torque, motion)
       type(system_type), intent(in) :: system
-      !> Displacements [1] and forces over k b_c [1], (sample, mesh); torques [N m], (sample, shaft).
+      !> Displacements [1] and forces [N], of couplings [N m], (sample, mesh); torques [N m], (sample, shaft).
       real(dp), intent(in) :: p(:, :), force(:, :), torque(:, :)
       type(motion_type), intent(inout) :: motion
       type(figure_uncertainty_type) :: of_p(size(p, 2)), of_force(size(p, 2)), of_torque(size(torque, 2))
@@ -419,8 +335,7 @@ contains
       do j = 1, size(torque, 2)
          of_torque(j) = uncertainty_of(torque(:, j))
       end do
-      associate (u => motion%uncertainty, unit => system%load_unit, &
-                 load => static(system%mesh_element))
+      associate (u => motion%uncertainty, load => static(system%mesh_element))
          u%rms = of_p%rms
          u%mean = of_p%mean
          u%minimum = of_p%minimum
@@ -428,7 +343,6 @@ contains
          u%force_maximum = max(of_force%maximum, of_force%minimum)
          where (load > 0) u%force_maximum = of_force%maximum
          where (load < 0) u%force_maximum = of_force%minimum
-         u%force_maximum = unit*u%force_maximum
          u%torque_mean = of_torque%mean
          u%torque_minimum = of_torque%minimum
          u%torque_maximum = of_torque%maximum

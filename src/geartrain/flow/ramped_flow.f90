@@ -13,7 +13,8 @@ module geartrain_flow_ramped_flow
    use geartrain_flow_force_series, only: force_series, include
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_ramp, only: ramp_type
-   use geartrain_flow_taylor, only: add_waves, series_value
+   use geartrain_flow_shaft_torque, only: torque_series
+   use geartrain_flow_taylor, only: series_values
    use geartrain_network_excitation, only: excited_harmonics, reach_of_sources
    use geartrain_network_system, only: system_type
    implicit none (type, external)
@@ -229,75 +230,30 @@ contains
       !> Taylor coefficients of mesh forces [N], (0:order, mesh), and torques of shafts [N m], (0:order, shaft).
       real(dp), intent(in) :: force(0:, :), torque(0:, :)
       type(run_up_type), intent(inout) :: result
-      real(dp) :: time, tau
-      integer :: i
+      real(dp), allocatable :: time(:), tau(:)
+      integer :: first, last, i, k
 
-      associate (q => result%samples, n => size(result%time))
-         do while (q < n)
-            time = ramp%duration*(real(q, dp)/(n - 1))
-            tau = time - origin - begun
-            if (time - origin > flow%time) exit
-            q = q + 1
-            result%time(q) = time/flow%system%characteristic_frequency
-            result%frequency_ratio(q) = ramp%start + ramp%acceleration*time
-            do i = 1, size(force, 2)
-               result%displacement(i, q) = flow%displacement(i, tau)
-               result%mesh_force(i, q) = series_value(force(:, i), tau)
-            end do
-            do i = 1, size(torque, 2)
-               result%shaft_torque(i, q) = series_value(torque(:, i), tau)
-            end do
+      associate (n => size(result%time))
+         first = result%samples + 1
+         last = result%samples
+         do while (last < n)
+            if (ramp%duration*(real(last, dp)/(n - 1)) - origin > flow%time) exit
+            last = last + 1
+         end do
+         if (last < first) return
+         result%samples = last
+         time = [(ramp%duration*(real(k - 1, dp)/(n - 1)), k=first, last)]
+         tau = time - origin - begun
+         result%time(first:last) = time/flow%system%characteristic_frequency
+         result%frequency_ratio(first:last) = ramp%start + ramp%acceleration*time
+         do i = 1, size(force, 2)
+            result%displacement(i, first:last) = series_values(flow%p(1, flow%system%mesh_element(i), :), tau)
+            result%mesh_force(i, first:last) = series_values(force(:, i), tau)
+         end do
+         do i = 1, size(torque, 2)
+            result%shaft_torque(i, first:last) = series_values(torque(:, i), tau)
          end do
       end associate
    end subroutine sample
-
-   !> Taylor coefficients of the torques of the shafts over the latest step [N m]; NaN where nothing determines it.
-   pure subroutine torque_series(flow, begun, mesh_force, torque)
-      type(flow_type), intent(in) :: flow
-      !> Time at which the step begins [1].
-      real(dp), intent(in) :: begun
-      !> Taylor coefficients of the mesh forces [N], (0:order, mesh).
-      real(dp), intent(in) :: mesh_force(0:, :)
-      real(dp), intent(out) :: torque(0:, :)
-      real(dp) :: force(0:flow%order, flow%system%elements), wave(0:flow%order)
-      integer :: i, n, s
-
-      associate (system => flow%system, paths => flow%system%torque_paths, length => flow%system%characteristic_length)
-         do n = 1, system%elements
-            if (system%element_mesh(n) > 0) then
-               associate (j => system%element_mesh(n))
-                  force(:, n) = system%stiffness(n)*length/system%load_unit(j)*mesh_force(:, j)
-               end associate
-            else
-               force(:, n) = system%spring(n)*flow%p(1, n, :) + system%damping(n)*flow%v(1, n, :)
-               force(0, n) = force(0, n) + system%static_force(n)
-               force(:, n) = system%stiffness(n)*length*force(:, n)
-            end if
-         end do
-         do s = 1, paths%torques
-            torque(:, s) = 0
-            torque(0, s) = paths%constant(s)
-            if (allocated(system%speed_loads)) then
-               associate (loads => system%speed_loads)
-                  do i = 1, size(loads%factor)
-                     torque(:, s) = torque(:, s) + loads%constant(s, i)*loads%series_of(i, flow%frequency_ratio &
-                                                                  + flow%acceleration*begun, flow%acceleration, flow%order)
-                  end do
-               end associate
-            end if
-            do i = paths%first(s), paths%first(s + 1) - 1
-               torque(:, s) = torque(:, s) + paths%gain(i)*force(:, paths%element(i))
-            end do
-            do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
-               wave = 0
-               associate (series => system%torque(paths%torque(i)))
-                  call add_waves(series%harmonic, series%amplitude, flow%frequency_ratio, flow%acceleration, begun, wave)
-               end associate
-               torque(:, s) = torque(:, s) + paths%torque_gain(i)*length*wave
-            end do
-            if (.not. paths%known(s)) torque(:, s) = ieee_value(1.0_dp, ieee_quiet_nan)
-         end do
-      end associate
-   end subroutine torque_series
 
 end module geartrain_flow_ramped_flow

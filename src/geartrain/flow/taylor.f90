@@ -5,7 +5,7 @@ module geartrain_flow_taylor
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: accelerate, add_waves, last_term, recur, series_value, sum_series
+   public :: accelerate, add_waves, last_term, recur, series_value, series_values, sum_series
 
 contains
 
@@ -218,6 +218,19 @@ contains
          series_value = series_value*time + coefficient(k)
       end do
    end function series_value
+
+   !> Values of a Taylor series at several times.
+   pure function series_values(coefficient, time) result(values)
+      !> Taylor coefficients, (0:order); times since the expansion [1].
+      real(dp), intent(in) :: coefficient(0:), time(:)
+      real(dp) :: values(size(time))
+      integer :: k
+
+      values = coefficient(ubound(coefficient, 1))
+      do k = ubound(coefficient, 1) - 1, 0, -1
+         values = values*time + coefficient(k)
+      end do
+   end function series_values
 
    !> Index of the last coefficient that counts within a time `reach`: the last two terms are larger than the tolerance.
    pure integer function last_term(coefficient, reach, tolerance)

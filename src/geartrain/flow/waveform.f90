@@ -3,8 +3,9 @@ module geartrain_flow_waveform
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_flow, only: flow_type
-   use geartrain_flow_orbit, only: flow_order, flow_tolerance, sample_orbit
-   use geartrain_flow_shaft_torque, only: add_torques, linear_forces
+   use geartrain_flow_force_series, only: force_series
+   use geartrain_flow_orbit, only: flow_tolerance, sample_orbit
+   use geartrain_flow_shaft_torque, only: torque_series
    use geartrain_flow_start_state, only: states_of
    use geartrain_linalg_trigonometric, only: evaluate
    use geartrain_network_system, only: build_system, system_type
@@ -35,9 +36,8 @@ contains
       !> Periods of the fundamental to sample instead of a period of the motion, which has a state.
       integer, intent(in), optional :: periods
       type(system_type) :: system
-      real(dp), dimension(samples, size(displacement, 2)) :: phi, rate
       real(dp) :: window, length
-      integer :: period, q, j
+      integer :: period, q
 
       call build_system(train, system)
       period = merge(motion%period, 16, motion%period > 0)
@@ -50,25 +50,20 @@ contains
       if (window > 0) length = window
       time = [(2*pi*length/motion%frequency_ratio*(q - 1)/samples, q=1, samples)]
       if (allocated(motion%state)) then
-         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, phi, torque=torque, rate=rate, &
-                           window=window)
+         call sample_orbit(system, motion%frequency_ratio, period, motion%state, displacement, force, torque, velocity, window)
       else
-         call sum_series(system, motion, period, displacement, phi, rate)
-         if (present(torque)) call find_torques(system, motion, time, phi, torque)
+         call sum_series(system, motion, period, displacement, force, velocity)
+         if (present(torque)) call find_torques(system, motion, time, torque)
       end if
-      if (present(velocity)) velocity = rate
-      if (.not. present(force)) return
-      do j = 1, system%meshes
-         force(:, j) = phi(:, j)*system%load_unit(j)
-      end do
    end subroutine waveform
 
-   !> Mesh displacements over characteristic length, mesh forces over k b_c and mesh velocities from the coefficients.
-   subroutine sum_series(system, motion, period, displacement, phi, rate)
+   !> Mesh displacements over characteristic length, mesh forces [N], of couplings [N m], and mesh velocities from the coefficients.
+   subroutine sum_series(system, motion, period, displacement, force, velocity)
       type(system_type), intent(in) :: system
       type(motion_type), intent(in) :: motion
       integer, intent(in) :: period
-      real(dp), intent(out) :: displacement(:, :), phi(:, :), rate(:, :)
+      real(dp), intent(out) :: displacement(:, :)
+      real(dp), intent(out), optional :: force(:, :), velocity(:, :)
       integer, allocatable :: harmonic(:)
       real(dp) :: slope, curvature
       integer :: samples, q, j, k
@@ -79,33 +74,40 @@ contains
          do q = 1, samples
             associate (theta => 2*pi*(q - 1)/samples)
                call evaluate(motion%coefficients(:, j), harmonic, theta, displacement(q, j), slope, curvature)
-               rate(q, j) = slope*motion%frequency_ratio/period
-               phi(q, j) = system%law(j)%force(period*theta, displacement(q, j), rate(q, j))
+               slope = slope*motion%frequency_ratio/period
+               if (present(velocity)) velocity(q, j) = slope
+               if (present(force)) &
+                  force(q, j) = system%load_unit(j)*system%law(j)%force(period*theta, displacement(q, j), slope)
             end associate
          end do
       end do
    end subroutine sum_series
 
-   !> Torques of the shafts from the coefficients: the states along the period give the forces of the shafts.
-   subroutine find_torques(system, motion, time, phi, torque)
+   !> Torques of the shafts from the coefficients, by the states along the period.
+   subroutine find_torques(system, motion, time, torque)
       type(system_type), target, intent(in) :: system
       type(motion_type), intent(in) :: motion
-      !> Instants [1]; mesh forces over k b_c [1], (samples, mesh).
-      real(dp), intent(in) :: time(:), phi(:, :)
+      !> Instants [1].
+      real(dp), intent(in) :: time(:)
       real(dp), intent(out) :: torque(:, :)
-      real(dp) :: states(system%states, size(time)), force(size(time), system%elements)
+      !> The values at an instant are the first terms of their series.
+      integer, parameter :: order = 1
+      real(dp) :: states(system%states, size(time)), force(0:order, system%meshes), series(0:order, size(torque, 2))
       type(flow_type) :: flow
-      integer :: q
+      integer :: j, q
 
       call states_of(system, motion, states)
-      call flow%setup(system, 1, flow_order, flow_tolerance)
+      call flow%setup(system, 1, order, flow_tolerance)
       do q = 1, size(time)
          flow%x(1, :) = states(:, q)
          call flow%start(motion%frequency_ratio, time(q))
-         call linear_forces(flow, force(q, :))
+         call flow%expand()
+         do j = 1, system%meshes
+            call force_series(flow, j, flow%contact(j), force(:, j))
+         end do
+         call torque_series(flow, time(q), force, series)
+         torque(q, :) = series(0, :)
       end do
-      force(:, system%mesh_element) = phi
-      call add_torques(system, motion%frequency_ratio, 2*pi*motion%period/size(time), force, torque)
    end subroutine find_torques
 
 end module geartrain_flow_waveform
