@@ -390,6 +390,10 @@ def test_from_rexs_to_a_report_with_sidebands(executable, tmp_path):
     assert run("geartrain-report", "case.h5", "-o", "report.html", cwd=tmp_path, env=scripts()).returncode == 0
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "Orders and sidebands" in report and "mesh 1 - 9 x Pinion [8]" in report
+    # The case offers the other form in its own line.
+    steps = done.stdout.replace("pitch_error_form = 'polynomial'", "pitch_error_form = 'steps'")
+    (tmp_path / "steps.nml").write_text(steps)
+    assert steps != done.stdout and run(executable, "--check", "steps.nml", cwd=tmp_path).returncode == 0
 
 
 # DIN 3967.

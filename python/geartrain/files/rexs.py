@@ -114,6 +114,7 @@ def _add_pitch_errors(draft: Draft, source: Source, gear: str, path: str | os.Pa
     slope = math.cos(math.atan2(math.tan(normal), math.cos(helix)))
     group[f"{side}_pitch_error"] = Entry([float(f"{slope * error:.7g}") for error in table.errors],
                                          f"{name}, along the line of action")
+    group.setdefault("pitch_error_form", Entry("polynomial", "'steps': with sidebands of the mesh orders, by the contact ratio"))
     source.note("assumed", "cumulative pitch errors on the reference circle, in the order in which the teeth engage, positive: "
                            f"towards the mate; times {slope:.5f}, the cosine of the pressure angle, along the line of action", name)
     if not table.has_unit:

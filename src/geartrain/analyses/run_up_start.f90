@@ -60,11 +60,6 @@ contains
          call state_of(steady, start, state, -frequency_ratio*before)
          state = state + shift
       end if
-      if (before > 0 .and. any(system%friction > 0)) then
-         call fatal(error, 'run up: friction_torque: must be 0 where the train settles by its time constants, as its common period &
-            &is long: these are time constants without friction; begin without settling, max_periods = 0')
-         return
-      end if
       if (before > 0) then
          call settle_by_time(system, frequency_ratio, max_periods, state, settled, observer)
          stopped = settled%stopped

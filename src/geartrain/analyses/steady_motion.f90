@@ -31,12 +31,6 @@ contains
       type(error_type), allocatable, intent(inout) :: error
 
       if (goes_by_windows(system, settings%window)) then
-         if (any(system%friction > 0)) then
-            call fatal(error, 'friction_torque: must be 0 where a motion settles by the time constants of the train, because &
-               &window > 0 or the common period of the train is long: these are time constants without friction. Follow the motion &
-               &by &run_up with max_periods = 0, or take orders with a shorter period')
-            return
-         end if
          call need(window_of(system, settings%window)*memory_to_measure(system, 1, settings%harmonics), &
                    'no memory for the figures of a window', 'take a shorter window', error)
       else

@@ -84,8 +84,15 @@ contains
                 self%taken(0), self%begin(0))
       self%unread = .true.
       if (n > most_states) return
-      allocate (vector(n, n), inverse(n, n), wr(n), wi(n), work(16*n), none(1, 1), exchange(n))
       matrix = state_matrix(system)
+      if (any(system%friction > 0)) then
+         self%time = longest_wait(matrix)
+         call stick(system, matrix)
+         self%time = min(longest, max(shortest, self%time, longest_wait(matrix)))
+         self%unread = .false.
+         return
+      end if
+      allocate (vector(n, n), inverse(n, n), wr(n), wi(n), work(16*n), none(1, 1), exchange(n))
       call dgeev('N', 'V', n, matrix, n, wr, wi, none, 1, vector, n, work, size(work), info)
       if (info /= 0) return
       matrix = vector
@@ -98,7 +105,7 @@ contains
       call dgetrs('N', n, n, matrix, n, exchange, inverse, n, info)
       ! Only of a vibration, not of the drift against damping to ground, which rest leaves at 0.
       is_slow = wi > 0
-      wait = -log(died_out)/max(-wr, tiny(1.0_dp)/epsilon(1.0_dp))
+      wait = wait_for(wr)
       read = stretches*cycles*2*pi/max(abs(wi), tiny(1.0_dp)/epsilon(1.0_dp))
       self%time = min(longest, max(shortest, maxval(min(wait, read), is_slow)))
       is_slow = is_slow .and. wait > self%time
@@ -116,6 +123,50 @@ contains
       allocate (self%left(size(slow)), self%begin(size(slow)), source=0.0_dp)
       allocate (self%taken(size(slow)), source=.false.)
    end subroutine setup
+
+   !> Time in which a free vibration dies out [1].
+   elemental real(dp) function wait_for(rate)
+      !> Real part of its eigenvalue [1].
+      real(dp), intent(in) :: rate
+
+      wait_for = -log(died_out)/max(-rate, tiny(1.0_dp)/epsilon(1.0_dp))
+   end function wait_for
+
+   !> Time in which all free vibrations die out [1].
+   real(dp) function longest_wait(matrix)
+      !> Matrix of the equations of motion [1], (state, state).
+      real(dp), intent(in) :: matrix(:, :)
+      real(dp) :: copy(size(matrix, 1), size(matrix, 1)), none(1, 1), work(16*size(matrix, 1))
+      real(dp), dimension(size(matrix, 1)) :: wr, wi
+      integer :: info
+
+      copy = matrix
+      call dgeev('N', 'N', size(wr), copy, size(wr), wr, wi, none, 1, none, 1, work, size(work), info)
+      longest_wait = huge(1.0_dp)
+      if (info == 0) longest_wait = maxval(wait_for(wr), wi > 0)
+   end function longest_wait
+
+   !> Lets the couplings with dry friction that are coordinates stick: a torque on each keeps its velocity as it is.
+   pure subroutine stick(system, matrix)
+      type(system_type), intent(in) :: system
+      !> Matrix of the equations of motion [1], (state, state).
+      real(dp), intent(inout) :: matrix(:, :)
+      real(dp) :: reaction(size(matrix, 1)), row(size(matrix, 1))
+      integer :: i, j
+
+      do j = 1, system%meshes
+         associate (n => system%mesh_element(j), v => system%displacements + system%mesh_element(j))
+            if (.not. system%friction(j) > 0 .or. n > system%displacements) cycle
+            ! What a twist accelerates, a torque accelerates.
+            reaction = matrix(:, n)
+            if (.not. abs(reaction(v)) > 0) cycle
+            row = matrix(v, :)/reaction(v)
+            do i = 1, size(row)
+               matrix(:, i) = matrix(:, i) - reaction*row(i)
+            end do
+         end associate
+      end do
+   end subroutine stick
 
    !> Begins to read the slow modes over a flight: each over the last whole cycles of the mode.
    subroutine begin_reading(self, begin, end)

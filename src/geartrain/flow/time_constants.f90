@@ -3,7 +3,8 @@
 !> A free vibration of the mean system falls to a ten-thousandth of its size in 9 of its time constants. Where all do in a moderate
 !> time, the flow is followed for that time. Slower ones, as of a rotor against a generator on soft shafts, whose damping is a
 !> thousandth, are taken out of the state (geartrain_flow_slow_modes) at four instants on the way. What was left of them at the last
-!> one is told beside the figures.
+!> one is told beside the figures. Dry friction takes part in no mode: there a neighbouring flow tells what is left, by how much
+!> nearer it has come.
 !>
 !> Settling begins before phase 0, so that it ends there. The figures are then those of a window from phase 0 on
 !> (geartrain_flow_window), with what a longer window would change (geartrain_flow_uncertainty). In the time of settling all meshes
@@ -109,24 +110,37 @@ contains
       type(flow_type) :: flow
       type(bound_type) :: bound
       type(slow_modes_type) :: slow
+      type(energy_type) :: energy
       real(dp) :: cycle, limit, origin, moment(2, system%meshes), alternating(system%meshes)
+      !> Logarithms of the largest distance of a neighbouring flow, by its kinetic energy, in the first and in the present stretch,
+      !> and of what it was divided by.
+      real(dp) :: first, distance, divided
       integer :: i
+      logical :: two_flows
 
       cycle = cycle_time(system, frequency_ratio)
       call find_slow_modes(system, frequency_ratio, max_periods, slow)
       settled%time = slow%time
       call bound%setup(system, frequency_ratio)
       limit = bound%limit(state)
-      call flow%setup(system, 1, flow_order, flow_tolerance)
+      two_flows = any(system%friction > 0)
+      call flow%setup(system, merge(2, 1, two_flows), flow_order, flow_tolerance)
       ! The symmetric motion of a symmetric train may repel, and a flow without any disturbance would stay on it.
       call disturb(system, state)
       flow%x(1, :) = state
+      if (two_flows) then
+         call energy%setup(system)
+         flow%x(2, :) = energy%state(spread(1.0_dp, 1, size(state)))
+         divided = 0
+      end if
       do i = 1, stretches
          origin = -slow%time*(stretches - i + 1)/stretches
+         distance = -huge(1.0_dp)
          call fly(origin, -slow%time*(stretches - i)/stretches)
          if (settled%stopped) exit
          settled%unbounded = .not. bound%holds(flow%x(1, :), limit)
          if (settled%unbounded) exit
+         if (i == 1) first = distance
          call slow%take_out(flow%x(1, :))
       end do
       state = flow%x(1, :)
@@ -135,8 +149,9 @@ contains
       settled%mean = moment(1, :)
       alternating = sqrt(2*max(moment(2, :) - moment(1, :)**2, 0.0_dp))
       settled%ringing = maxval(slow%ringing(system)/max(alternating, tiny(1.0_dp)))
-      settled%steady = settled%ringing <= negligible .and. .not. slow%unread
-      if (slow%unread) settled%ringing = -1
+      if (two_flows) settled%ringing = exp(min(0.0_dp, max(-100.0_dp, distance - first)))
+      settled%steady = settled%ringing <= negligible .and. (two_flows .or. .not. slow%unread)
+      if (slow%unread .and. .not. two_flows) settled%ringing = -1
 
    contains
 
@@ -157,6 +172,7 @@ contains
             settled%stopped = system%interrupt%raised() .or. .not. keep_going
             if (settled%stopped .or. flow%x(1, 1) >= huge(1.0_dp)) return
             call slow%read_step(flow)
+            if (two_flows) call measure_distance()
             do j = 1, system%meshes
                do k = 1, 2
                   value = flow%displacement(j, flow%length*(k - 0.5_dp)/2)
@@ -168,6 +184,20 @@ contains
             call observer%on_step('settling by time', int((flow%time + slow%time)/cycle), frequency_ratio, keep_going)
          end do
       end subroutine fly
+
+      !> Takes the distance of the neighbouring flow; a coupling that sticks keeps its twist for good, which has no kinetic energy.
+      subroutine measure_distance()
+         real(dp) :: length
+
+         associate (y => energy%coordinates(flow%x(2, :)))
+            length = norm2(y(system%displacements + 1:))
+         end associate
+         if (.not. length > 0) return
+         distance = max(distance, log(length) + divided)
+         if (length < 1e100_dp .and. length > 1e-100_dp) return
+         flow%x(2, :) = flow%x(2, :)/length
+         divided = divided + log(length)
+      end subroutine measure_distance
 
    end subroutine settle_by_time
 
@@ -205,7 +235,8 @@ contains
       call include_ringing(motion)
       call include_drift(system, settled%mean, motion, drifts)
       regular = .not. any((motion%mesh_load%separation > 0 .and. motion%mesh_load%separation < 1) .or. &
-                          (motion%mesh_load%back_contact > 0 .and. motion%mesh_load%back_contact < 1))
+                          (motion%mesh_load%back_contact > 0 .and. motion%mesh_load%back_contact < 1)) &
+                .and. .not. any(system%friction > 0)
       motion%kind = 'still settling'
       settled%steady = settled%steady .and. .not. drifts
       if (settled%steady) motion%kind = 'stationary'
