@@ -22,7 +22,7 @@ module options
       option_type('--verbose', 'CASE.nml --verbose', 'run a case; the report has all peaks, jumps and ranges'), &
       option_type('', 'A.nml B.nml ...', 'run several cases, as many at a time as there are threads'), &
       option_type('--new', '--new CASE.nml', 'write a commented case to begin with'), &
-      option_type('--from-rexs', '--from-rexs X.rexs > CASE.nml', 'a case from a REXS file, by the Python package'), &
+      option_type('--from-rexs', '--from-rexs X.rexs > X.nml', 'a case from a REXS file, by the Python package'), &
       option_type('--check', '--check CASE.nml ...', 'check cases without computing'), &
       option_type('--explain', '--explain CASE.nml ...', 'print every number of the train with its formula and standard'), &
       option_type('--audit', '--audit CASE.nml ...', &

@@ -12,7 +12,7 @@ module geartrain_analyses_branch_report
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_readings_contact_ranges, only: back_collision_ranges, drive_collision_ranges, separation_ranges
    use geartrain_readings_force_remarks, only: find_errors, find_sweeps
-   use geartrain_readings_frequency_text, only: frequency_text_type, text_for
+   use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, text_for
    use geartrain_readings_jump_sentences, only: say_jumps
    use geartrain_readings_range_sentences, only: range_words, ranges_of_points
    use geartrain_readings_summary, only: band_type, bands_without_stability
@@ -41,16 +41,19 @@ contains
       type(sheet_type), intent(inout) :: sheet
       !> Torques of the shafts over all motions so far.
       type(torque_table_type), intent(inout) :: torques
-      type(frequency_text_type) :: told
-      character(:), allocatable :: words
+      type(frequency_text_type) :: told, constant
+      character(:), allocatable :: words, place
       real(dp) :: ends(2)
 
       told = text_for(branch, train, settings%unit)
       ends = ends_of(settings, train)
       call told%with_unit(text(ends(1)*told%per_lambda)//' to '//text(ends(2)*told%per_lambda), words)
       words = 'Response: '//words
-      if (told%parameter /= '') words = 'Response: '//trim(told%parameter)//' '//words(11:)//' at Lambda '// &
-                                        significant(branch%constant_frequency)
+      if (told%parameter /= '') then
+         constant = frequency_text(train, settings%unit, branch%constant_frequency)
+         call constant%with_unit(text(branch%constant_frequency*constant%per_lambda), place)
+         words = 'Response: '//trim(told%parameter)//' '//words(11:)//' at '//place
+      end if
       call sheet%add(in_head, words//', '//counted(branch%points, 'motion', 'motions')//' of period '//text(branch%subharmonic))
       if (branch%points > 0) then
          call say_motions(branch, ends, train, told, .true., sheet, torques)

@@ -110,7 +110,6 @@ contains
       subroutine add_edge(j)
          integer, intent(in) :: j
          real(dp) :: first, last
-         logical :: success
          integer :: same
 
          first = depth(j, branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
@@ -135,9 +134,8 @@ contains
                edge%frequency_ratio = at(1) + share*(at(2) - at(1))
                edge%rms = rms(:, 1) + share*(rms(:, 2) - rms(:, 1))
             else
-               call locate(j, back, first, last, edge%frequency_ratio, success)
-               if (success) edge%rms = rms_of(tracer%corrector, solution)
-               if (.not. success) n = n - 1
+               call locate(j, back, first, last, edge%frequency_ratio)
+               edge%rms = rms_of(tracer%corrector, solution)
             end if
          end associate
       end subroutine add_edge
@@ -193,17 +191,18 @@ contains
          chord = tracer%corrector%length_of(to%u - from%u, to%frequency_ratio - from%frequency_ratio)
       end function chord
 
-      !> Lambda at which the depth of mesh j is zero: found on the polynomial, then on the branch by solving the balance.
-      subroutine locate(j, back, first, last, frequency_ratio, success)
+      !> Lambda at which the depth of mesh j is zero: found on the polynomial, then on the branch by solving the balance, and left on
+      !> the polynomial where the balance has no solution nearby.
+      subroutine locate(j, back, first, last, frequency_ratio)
          integer, intent(in) :: j
          logical, intent(in) :: back
          !> Depths at the two ends of the piece, of different signs.
          real(dp), intent(in) :: first, last
          real(dp), intent(out) :: frequency_ratio
-         logical, intent(out) :: success
          type(solution_point_type) :: guess
-         real(dp) :: a, b, fa, fb, f, s, slope, way
+         real(dp) :: a, b, fa, fb, f, s, slope, way, root
          integer :: kept, step
+         logical :: success
 
          a = 0
          b = piece%length
@@ -217,6 +216,7 @@ contains
             if (abs(f) < located*scale_at(solution, j)) exit
             call shrink(a, b, fa, fb, s, f, kept)
          end do
+         root = s
          a = 1e-4_dp*piece%length
          call go_along(piece, s + a, solution)
          slope = depth_at(solution, j, back)
@@ -226,7 +226,7 @@ contains
          do step = 1, most_steps
             guess = solution
             call tracer%corrector%correct(solution, success)
-            if (.not. success) return
+            if (.not. success) exit
             f = depth_at(solution, j, back)
             way = step_to_zero(piece, s, f, slope)
             frequency_ratio = solution%frequency_ratio + solution%tangent_frequency*way
@@ -240,7 +240,8 @@ contains
             solution%u = solution%u + guess%u
             solution%frequency_ratio = solution%frequency_ratio + guess%frequency_ratio
          end do
-         success = .false.
+         call go_along(piece, root, solution)
+         frequency_ratio = solution%frequency_ratio
       end subroutine locate
 
       !> Depth of mesh j at a solution point, see depth_below.

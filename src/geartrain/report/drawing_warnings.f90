@@ -117,6 +117,7 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
       type(system_type) :: system
       real(dp), allocatable :: light(:)
+      logical :: unloaded
       integer :: i, before
 
       before = size(warnings)
@@ -125,6 +126,10 @@ contains
       call warn_of_gaps(plain, warnings)
       call reduce_light_loads(plain, light)
       call build_system(train, system)
+      unloaded = .not. maxval(abs(system%static_force(system%mesh_element))) > 0
+      if (unloaded .and. any([(has_stiffness(train%meshes(i)), i=1, size(train%meshes))])) call add_warning(warnings, 'train', 0, &
+         'no mesh carries a load, as no body has a mean torque: teeth float in their gaps, and stiffnesses by ISO 6336-1 are those &
+         &at 100 N/mm; give the torque of the driving body')
       do i = 1, size(train%meshes)
          if (.not. has_geometry(train%meshes(i))) cycle
          before = size(warnings)
@@ -426,6 +431,7 @@ contains
                      /mesh%face_width
          if (line_load > heavy_load) call add('the stiffness by ISO 6336-1 is for line loads up to 1600 N/mm, and it is '// &
                                               short(line_load/1000)//' N/mm')
+         if (.not. maxval(abs(system%static_force(system%mesh_element))) > 0) return
          if (.not. line_load > 0) then
             call add('it carries no load, and ISO 6336-1 has no stiffness without load: the value at 100 N/mm is used; give &
                &stiffness [N/m], or a drag torque on the unloaded body; a planet is unloaded by its place, planet_errors')
