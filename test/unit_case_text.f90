@@ -31,6 +31,7 @@ contains
       integer :: i, different
       real :: random(2)
       character(:), allocatable :: text
+      character(32) :: decimal
 
       call tests%is_text(real_text(0.05_dp), '0.05', 'a short number')
       call tests%is_text(real_text(2.5e8_dp), '2.5e8', 'a large number')
@@ -50,6 +51,31 @@ contains
          if (transfer(again, bits) /= transfer(value, bits)) different = different + 1
       end do
       call tests%is_true(different == 0, '2000 random numbers read back to identical bits')
+      ! A decimal of up to 15 digits is the shortest that reads back to its number.
+      different = 0
+      do i = 1, 2000
+         call random_number(random)
+         write (decimal, '(i0, a, i0)') int(10.0_dp**(mod(i, 15) + 1)*random(1), int64), 'e', int(600*random(2) - 300)
+         read (decimal, *) value
+         text = real_text(value)
+         if (digits_of(text) > digits_of(decimal)) different = different + 1
+      end do
+      call tests%is_true(different == 0, 'no more digits than the shortest decimal has')
+
+   contains
+
+      !> Number of digits before the exponent, without zeros at either end.
+      pure integer function digits_of(text)
+         character(*), intent(in) :: text
+         integer :: last, k
+
+         last = index(text//'e', 'e') - 1
+         digits_of = 0
+         do k = scan(text(:last), '123456789'), scan(text(:last), '123456789', back=.true.)
+            if (text(max(1, k):max(1, k)) /= '.') digits_of = digits_of + 1
+         end do
+      end function digits_of
+
    end subroutine numbers
 
    !> A case of awkward numbers is written, read and written again.

@@ -49,7 +49,8 @@ contains
          text = 'Infinity'
          if (value < 0) text = '-Infinity'
       else
-         do digits = 1, 17
+         ! 15 digits tell all decimals of 15 digits and fewer apart, but for numbers with less than full precision.
+         do digits = merge(1, 15, abs(value) < tiny(value)), 17
             write (form, '(a, i0, a)') '(es36.', digits - 1, 'e3)'
             write (buffer, form) value
             read (buffer, *) again
@@ -68,7 +69,7 @@ contains
       text = padded_real(value)
    end function real_text
 
-   !> Turns '2.50E+008' into '2.5e8' and '5.E-002' into '0.05': no exponent from 1e-4 to below 1e6.
+   !> Turns '2.50E+008' into '2.5e8' and '5.00E-002' into '0.05': no zeros at the end, no exponent from 1e-4 to below 1e6.
    pure function plain(scientific) result(text)
       character(*), intent(in) :: scientific
       character(longest) :: text
@@ -83,6 +84,7 @@ contains
       do i = 1, at_exponent - 1
          if (scan(scientific(i:i), '0123456789') == 1) digits = digits//scientific(i:i)
       end do
+      digits = digits(:max(1, verify(digits, '0', back=.true.)))
       if (exponent >= 6 .or. exponent < -4) then
          if (len(digits) == 1) digits = digits//'0'
          text = sign//digits(1:1)//'.'//digits(2:)//'e'//integer_text(exponent)
@@ -203,16 +205,18 @@ contains
       real(dp) :: rounded
       integer :: exponent, last
 
-      text = padded_real(value)
       if (.not. (abs(value) > 0 .and. ieee_is_finite(value))) then
+         text = padded_real(value)
          if (abs(value) <= 0) text = '0'
          return
       end if
       write (buffer, '(es13.3e3)') value
       read (buffer(index(buffer, 'E') + 1:), *) exponent
       read (buffer, *) rounded
-      text = padded_real(rounded)
-      if (exponent < -4 .or. exponent > 8) return
+      if (exponent < -4 .or. exponent > 8) then
+         text = padded_real(rounded)
+         return
+      end if
       text = padded_fixed(rounded, max(0, 3 - exponent))
       if (exponent >= 3) return
       last = verify(trim(text), '0', back=.true.)
