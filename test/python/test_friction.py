@@ -388,6 +388,12 @@ def test_idle_rattle():
     train = replace(case.train, couplings=[replace(case.train.couplings[0], friction_torque=6.0)])
     harder = train.integrate(frequency=700.0)
     assert lighter.separation_fraction[1] > 0.05 and harder.separation_fraction[1] > 0.05
+    # The loss, by Taylor series of each step, is the area of the loop; two events of the stick lie between samples.
+    twist, torque = lighter.hysteresis_loop().lines[0].get_data()
+    area = ((torque[1:] + torque[:-1]) / 2 * np.diff(twist)).sum() * 1e-3
+    assert area == pytest.approx(lighter.coupling_energy_loss[0], rel=1e-4)
+    with pytest.raises(gt.InputError, match="coupling = 2: must be 1 to 1"):
+        lighter.hysteresis_loop(2)
     assert lighter.coupling_energy_loss[0] > 0.1 and harder.mesh_force_maximum[1] > 1.2 * lighter.mesh_force_maximum[1]
 
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 __all__ = [
-    "COLORS", "DASHES", "MARKERS", "UNSTABLE", "add_keys", "check_number", "draw_curve", "draw_lines", "draw_range", "draws",
-    "line_style", "new_axes", "plot_style", "put_legend", "runs",
+    "COLORS", "DASHES", "UNSTABLE", "add_keys", "check_number", "draw_curve", "draw_lines", "draw_range", "draws",
+    "line_style", "marker_of", "new_axes", "plot_style", "put_legend", "runs",
 ]
 
 Call = TypeVar("Call", bound=Callable[..., Any])
@@ -27,12 +27,17 @@ Call = TypeVar("Call", bound=Callable[..., Any])
 #: Colours of M. Okabe and K. Ito, which the colour-blind tell apart; the first ones differ most in lightness, for print in grey.
 COLORS = ("#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 #: Of the meshes or shafts of a picture, beside their colours: marks on curves over speed, dashes of time histories.
-MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2)))
 #: Line style of unstable motions.
 UNSTABLE = (0, (3, 1.5))
 #: Marks of a curve on a way as long as each axis: few on steep parts, where those of a narrow peak would hide it.
 _MARKS_ACROSS, _MARKS_UP = 10, 2
+
+
+def marker_of(number: int) -> str:
+    """Mark of a mesh or shaft of a picture, from 0 on; another one where its colour comes again."""
+    return _MARKERS[(number + number // len(COLORS)) % len(_MARKERS)]
 
 
 def plot_style() -> dict[str, Any]:

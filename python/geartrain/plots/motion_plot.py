@@ -18,7 +18,7 @@ from ..results.motion_check import check_motion
 from ..results.orders import named_orders
 from ..results.trajectory import Trajectory
 from .captions import force_unit, force_words, motion_words
-from .draw import DASHES, MARKERS, check_number, draw_lines, draws, line_style, new_axes, put_legend
+from .draw import DASHES, check_number, draw_lines, draws, line_style, marker_of, new_axes, put_legend
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,6 +37,8 @@ _SHOWN = 4
 _CHORD, _POINTS = 0.005, 200_000
 #: Height of a letter of a name, along which it stands, in points.
 _LETTER = 4.2
+#: Twist of a coupling [mrad] per displacement [m]: on a radius of 1 mm.
+_MRAD = 1e6
 #: Least room for a name, over the width of the axes.
 _ROOM = 0.022
 
@@ -50,6 +52,7 @@ class Pictures:
     kind: str
     stable: Any
     rms: Array
+    coupling_energy_loss: Array | None
     train: Description | None
 
     def trajectory(self, periods: int, *, samples: int = 0) -> Trajectory:
@@ -121,7 +124,7 @@ class Pictures:
             (line,) = axes[0].plot(time, history.displacement[part, column], **own)
             axes[1].plot(time, history.mesh_force[part, column], **{**own, "color": line.get_color()})
             width = max(1.0, 3.0 - row) if len(chosen) > 1 else 1.5
-            draw_lines(axes[2], places[visible], amplitude[visible, column], width, line.get_color(), MARKERS[row % len(MARKERS)])
+            draw_lines(axes[2], places[visible], amplitude[visible, column], width, line.get_color(), marker_of(row))
         if visible.any():
             # From below 0, so that a slow line stands clear of the frame.
             right = 1.03 * places[visible][-1] + places[0]
@@ -196,6 +199,50 @@ class Pictures:
             **{"linestyle": "none", "marker": "o", "markersize": 5.0 if self.period else 1.5, **line_style(style)},
         )
         return self._with_gap(ax, mesh)
+
+    @draws
+    def hysteresis_loop(self, coupling: int = 1, ax: Axes | None = None, *, periods: int | None = None, **style: Any) -> Axes:
+        """Draw the torque of a coupling, damping and dry friction included, over its twist from rest or mid-play.
+
+        The area is what the coupling loses.
+
+        Parameters
+        ----------
+        coupling : int
+            Counted from 1.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; a new figure unless told.
+        periods : int, optional
+            Periods of the fundamental; unless told a period of the motion, or 100 where it has none, or 1 where it has a window.
+        **style
+            For the line of matplotlib's ``plot``.
+
+        Examples
+        --------
+        >>> idle = gt.read_case("namelists/driveline.nml").train.integrate(700.0)
+        >>> ax = idle.hysteresis_loop()
+        >>> ax.get_xlabel(), ax.get_title().split(": ")[-1]
+        ('twist of engine - input  [mrad]', 'loses 5.85 W')
+        """
+        check_motion(self)
+        if self.train is None or not self.train.couplings:
+            raise InputError("hysteresis_loop: the train of the motion is not known" if self.train is None else
+                             "hysteresis_loop: the train has no coupling")
+        check_number("coupling", coupling, len(self.train.couplings))
+        mesh = len(self.train.meshes) + coupling
+        ax, path, _ = self._plane(mesh, ax, periods or self.period or (1 if self.window else _PLANE), 4 * self._samples())
+        twist = path.displacement[:, mesh - 1] * self.train._outline["characteristic_length"] * _MRAD
+        torque = path.mesh_force[:, mesh - 1]
+        ends = [0] if self.period else []
+        ax.plot(np.append(twist, twist[ends]), np.append(torque, torque[ends]), **{"linewidth": 1.0, **line_style(style)})
+        name = part_names(self.train, "coupling", len(self.train.couplings))[coupling - 1]
+        ax.set_xlabel(f"twist of {name}  [mrad]")
+        ax.set_ylabel("torque  [N m]")
+        losses = self.coupling_energy_loss
+        if losses is not None:
+            power = losses[coupling - 1] * self.frequency * self.train._outline["fundamental_frequency"]
+            ax.set_title(f"{self._words()}: loses {power:.3g} W", fontsize="medium")
+        return ax
 
     def _plane(self, mesh: int, ax: Axes | None, periods: int, samples: int) -> tuple[Axes, Trajectory, Units]:
         """Axes of displacement and velocity."""

@@ -19,7 +19,7 @@ from ..errors import InputError, shown
 from ..results.curve import Between, is_slope, position, value_at
 from ..results.summary import Readings
 from .captions import LENGTHS, caption, first_quantity, force_unit, number_words
-from .draw import COLORS, MARKERS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, draws, line_style, put_legend
+from .draw import COLORS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, draws, line_style, marker_of, put_legend
 from .panels import are_unequal, name_height, new_panels, scale
 
 if TYPE_CHECKING:
@@ -190,7 +190,7 @@ class Curves(Readings):
         colors = []
         for column, ax in zip(columns, axes):
             thin: dict[str, Any] = {"color": COLORS[column % len(COLORS)]} if split else {}
-            mark = MARKERS[column % len(MARKERS)] if len(columns) > 1 and not {"linestyle", "marker"} & style.keys() else None
+            mark = marker_of(column) if len(columns) > 1 and not {"linestyle", "marker"} & style.keys() else None
             for number, (between, curve) in enumerate(zip(smooth, curves)):
                 frequency = factor * between.frequency
                 drawn = [between.of(field, values)[:, column] for field, values in zip(curve.fields, curve.values)]

@@ -191,7 +191,7 @@ contains
          chord = tracer%corrector%length_of(to%u - from%u, to%frequency_ratio - from%frequency_ratio)
       end function chord
 
-      !> Lambda at which the depth of mesh j is zero: found on the polynomial, then on the branch by solving the balance, and left on
+      !> Lambda at which the depth of mesh j is zero: found on the polynomial, then on the branch by solving the balance; on
       !> the polynomial where the balance has no solution nearby.
       subroutine locate(j, back, first, last, frequency_ratio)
          integer, intent(in) :: j

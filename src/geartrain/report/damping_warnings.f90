@@ -3,24 +3,30 @@ module geartrain_report_damping_warnings
    use geartrain_base_error, only: error_type
    use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: integer_text, short => text
+   use geartrain_base_numbers, only: integer_text, real_text, short => text
+   use geartrain_base_problems, only: group_label
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_check_train, only: check_train
    use geartrain_network_light_loads, only: reduce_light_loads
-   use geartrain_train_mesh_groups, only: mesh_word
+   use geartrain_train_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_train_mesh_groups, only: group_name, group_number, mesh_word
+   use geartrain_network_elements, only: vibrating
    use geartrain_network_modal_damping, only: asked_ratios, find_modal_damping, modal_damping_type, resolve_damping
    use geartrain_network_natural_modes, only: modes_type, natural_modes
+   use geartrain_network_nodes, only: join_rigid, nodes_type
    use geartrain_train_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_train_mesh, only: is_given
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: three_digits, warn_of_damping_of_modes
+   public :: three_digits, warn_of_damping_of_modes, warn_of_joined_inertias
 
    !> Damping ratio below which a mode is warned of [1], and below which it counts as undamped.
    real(dp), parameter :: hardly_any = 1e-3_dp, none = 1e-9_dp
    !> Relative error of a damping ratio that `modal_damping` asks for, from which on it is warned of [1].
    real(dp), parameter :: worth_telling = 0.05_dp
+   !> Warns of a damping ratio where the mobility of the bodies alone exceeds the mobility of the joined bodies by this factor.
+   real(dp), parameter :: far_off = 1.1_dp
    !> Modes that are told one by one.
    integer, parameter :: most_modes = 3
    !> Modes up to which damping ratios are those of eigenvalues: the time grows with the third power.
@@ -68,6 +74,56 @@ contains
                                       short(hardly_any)//' of critical damping')
       if (is_given(train%modal_damping)) call warn_of_misses(found, asked_ratios(train, size(found%ratio)), warnings)
    end subroutine warn_of_damping_of_modes
+
+   !> Warns of damping ratios at rigidly joined bodies: the ratio refers to the inertias of the bodies alone.
+   subroutine warn_of_joined_inertias(train, plain, warnings)
+      !> The train that has been checked, and the same as the solver takes it.
+      type(train_type), intent(in) :: train, plain
+      !> Gets a sentence each.
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(nodes_type) :: nodes
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      real(dp), dimension(body_count(plain)) :: inertia, torque
+      integer, allocatable :: balancing(:)
+      integer :: i
+
+      if (.not. allocated(plain%bodies)) return
+      call bodies_of(plain, inertia, torque, balancing)
+      call find_ends(plain, shaft_ends, mesh_ends)
+      call join_rigid(plain, nodes)
+      do i = 1, size(train%shafts)
+         associate (shaft => train%shafts(i))
+            if (.not. (shaft%rigid .or. shaft%damping_given) .and. shaft%damping_ratio > 0) &
+               call compare('shaft', shaft%damping_ratio, shaft_ends(:, i), [1.0_dp, 1.0_dp])
+         end associate
+      end do
+      do i = 1, size(train%meshes)
+         associate (mesh => train%meshes(i), made => plain%meshes(i))
+            if (.not. mesh%damping_given .and. mesh%damping_ratio > 0) &
+               call compare(trim(group_name(train%meshes, i)), mesh%damping_ratio, mesh_ends(:, i), &
+                            [made%driving_radius, made%driven_radius])
+         end associate
+      end do
+
+   contains
+
+      subroutine compare(group, ratio, ends, radius)
+         character(*), intent(in) :: group
+         real(dp), intent(in) :: ratio, radius(2)
+         integer, intent(in) :: ends(2)
+         real(dp) :: alone, joined
+         integer :: number
+
+         alone = sum(radius**2/vibrating(nodes, inertia, ends, .true.))
+         joined = sum(radius**2/vibrating(nodes, inertia, ends, .false.))
+         number = i
+         if (group /= 'shaft') number = group_number(train%meshes, i)
+         if (alone > far_off*joined) warnings = [warnings, text_type(group_label(group, number)//': damping_ratio = '// &
+            real_text(ratio)//' of the bodies alone: with what is rigidly joined to them the same damping is '// &
+            short(ratio*sqrt(joined/alone)))]
+      end subroutine compare
+
+   end subroutine warn_of_joined_inertias
 
    subroutine add(warnings, sentence)
       type(text_type), allocatable, intent(inout) :: warnings(:)

@@ -6,18 +6,15 @@ module geartrain_report_drawing_warnings
    use geartrain_base_numbers, only: integer_text, real_text, short => text
    use geartrain_base_problems, only: group_label
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_train_bodies, only: bodies_of, body_count, find_ends
+   use geartrain_train_bodies, only: find_ends
    use geartrain_train_body, only: body_type
-   use geartrain_report_damping_warnings, only: warn_of_damping_of_modes
+   use geartrain_report_damping_warnings, only: warn_of_damping_of_modes, warn_of_joined_inertias
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
    use geartrain_network_light_loads, only: reduce_light_loads
    use geartrain_train_gear_error, only: gear_words, has_tooth_factors
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
-   use geartrain_train_mesh_groups, only: group_name, group_number
-   use geartrain_network_elements, only: vibrating
-   use geartrain_network_nodes, only: join_rigid, nodes_type
    use geartrain_train_shaft, only: shaft_type
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -39,8 +36,6 @@ module geartrain_report_drawing_warnings
    real(dp), parameter :: far_off = 20
    !> Samples of a mesh stiffness for each harmonic.
    integer, parameter :: samples_per_harmonic = 32
-   !> Warns of a damping ratio where the mobility of the bodies alone exceeds the mobility of the joined bodies by this factor.
-   real(dp), parameter :: worth_telling = 1.1_dp
    character(*), parameter :: in_metres = 'the unit is the metre '
 
 contains
@@ -126,7 +121,7 @@ contains
       call warn_of_gaps(plain, warnings)
       call reduce_light_loads(plain, light)
       call build_system(train, system)
-      unloaded = .not. maxval(abs(system%static_force(system%mesh_element))) > 0
+      unloaded = .not. any(abs(system%static_force(system%mesh_element)) > 0)
       if (unloaded .and. any([(has_stiffness(train%meshes(i)), i=1, size(train%meshes))])) call add_warning(warnings, 'train', 0, &
          'no mesh carries a load, as no body has a mean torque: teeth float in their gaps, and stiffnesses by ISO 6336-1 are those &
          &at 100 N/mm; give the torque of the driving body')
@@ -176,53 +171,6 @@ contains
          end do
       end do
    end subroutine warn_of_negative_stiffness
-
-   !> Warns of damping ratios at rigidly joined bodies: the ratio refers to the inertias of the bodies alone.
-   subroutine warn_of_joined_inertias(train, plain, warnings)
-      type(train_type), intent(in) :: train, plain
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(nodes_type) :: nodes
-      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
-      real(dp), dimension(body_count(plain)) :: inertia, torque
-      integer, allocatable :: balancing(:)
-      integer :: i
-
-      if (.not. allocated(plain%bodies)) return
-      call bodies_of(plain, inertia, torque, balancing)
-      call find_ends(plain, shaft_ends, mesh_ends)
-      call join_rigid(plain, nodes)
-      do i = 1, size(train%shafts)
-         associate (shaft => train%shafts(i))
-            if (.not. (shaft%rigid .or. shaft%damping_given) .and. shaft%damping_ratio > 0) &
-               call compare('shaft', shaft%damping_ratio, shaft_ends(:, i), [1.0_dp, 1.0_dp])
-         end associate
-      end do
-      do i = 1, size(train%meshes)
-         associate (mesh => train%meshes(i), made => plain%meshes(i))
-            if (.not. mesh%damping_given .and. mesh%damping_ratio > 0) &
-               call compare(trim(group_name(train%meshes, i)), mesh%damping_ratio, mesh_ends(:, i), &
-                            [made%driving_radius, made%driven_radius])
-         end associate
-      end do
-
-   contains
-
-      subroutine compare(group, ratio, ends, radius)
-         character(*), intent(in) :: group
-         real(dp), intent(in) :: ratio, radius(2)
-         integer, intent(in) :: ends(2)
-         real(dp) :: alone, joined
-         integer :: number
-
-         alone = sum(radius**2/vibrating(nodes, inertia, ends, .true.))
-         joined = sum(radius**2/vibrating(nodes, inertia, ends, .false.))
-         number = i
-         if (group /= 'shaft') number = group_number(train%meshes, i)
-         if (alone > worth_telling*joined) call add_warning(warnings, group, number, 'damping_ratio = '//real_text(ratio)//' of &
-            &the bodies alone: with what is rigidly joined to them the same damping is '//short(ratio*sqrt(joined/alone)))
-      end subroutine compare
-
-   end subroutine warn_of_joined_inertias
 
    subroutine warn_of_body(body, i, warnings)
       type(body_type), intent(in) :: body
@@ -421,17 +369,13 @@ contains
          if (mesh%teeth(1) > mesh%teeth(2)) shift = shift([2, 1])
          if (shift(1) < shift(2)) call add('the stiffness by ISO 6336-1 holds where the profile shift of the pinion is not &
             &smaller than the profile shift of the wheel; here they are '//short(shift(1))//' and '//short(shift(2)))
-         if (sum(shift) < -0.5_dp .or. sum(shift) > 2) call add('the stiffness by ISO 6336-1 is for profile shifts with a sum from &
-            &-0.5 to 2, and it is '//short(sum(shift)))
-         if (abs(mesh%helix_angle) > 30) call add('the mesh stiffness by ISO 6336-1 is for helix angles up to 30 degrees, and it &
-                                                  &is '//short(mesh%helix_angle))
-         if (g%contact_ratio < 1.2_dp) call add('the mesh stiffness by ISO 6336-1 is for contact ratios from 1.2 on, and it is '// &
-                                                short(g%contact_ratio))
+         call add_outside(sum(shift) < -0.5_dp .or. sum(shift) > 2, 'profile shifts with a sum from -0.5 to 2', sum(shift), '')
+         call add_outside(abs(mesh%helix_angle) > 30, 'helix angles up to 30 degrees', mesh%helix_angle, '')
+         call add_outside(g%contact_ratio < 1.2_dp, 'contact ratios from 1.2 on', g%contact_ratio, '')
          line_load = abs(system%static_force(n)*system%stiffness(n)*system%characteristic_length)*cos(g%transverse_angle) &
                      /mesh%face_width
-         if (line_load > heavy_load) call add('the stiffness by ISO 6336-1 is for line loads up to 1600 N/mm, and it is '// &
-                                              short(line_load/1000)//' N/mm')
-         if (.not. maxval(abs(system%static_force(system%mesh_element))) > 0) return
+         call add_outside(line_load > heavy_load, 'line loads up to 1600 N/mm', line_load/1000, ' N/mm')
+         if (.not. any(abs(system%static_force(system%mesh_element)) > 0)) return
          if (.not. line_load > 0) then
             call add('it carries no load, and ISO 6336-1 has no stiffness without load: the value at 100 N/mm is used; give &
                &stiffness [N/m], or a drag torque on the unloaded body; a planet is unloaded by its place, planet_errors')
@@ -449,6 +393,14 @@ contains
 
          call add_warning(warnings, 'mesh', i, sentence)
       end subroutine add
+
+      subroutine add_outside(outside, range, value, unit)
+         logical, intent(in) :: outside
+         character(*), intent(in) :: range, unit
+         real(dp), intent(in) :: value
+
+         if (outside) call add('the mesh stiffness by ISO 6336-1 is for '//range//', and it is '//short(value)//unit)
+      end subroutine add_outside
 
    end subroutine warn_of_mesh
 
