@@ -111,6 +111,7 @@ contains
          character(*), intent(in) :: group
          real(dp), intent(in) :: ratio, radius(2)
          integer, intent(in) :: ends(2)
+         type(text_type) :: warning
          real(dp) :: alone, joined
          integer :: number
 
@@ -118,9 +119,10 @@ contains
          joined = sum(radius**2/vibrating(nodes, inertia, ends, .false.))
          number = i
          if (group /= 'shaft') number = group_number(train%meshes, i)
-         if (alone > far_off*joined) warnings = [warnings, text_type(group_label(group, number)//': damping_ratio = '// &
-            real_text(ratio)//' of the bodies alone: with what is rigidly joined to them the same damping is '// &
-            short(ratio*sqrt(joined/alone)))]
+         if (.not. alone > far_off*joined) return
+         warning%text = group_label(group, number)//': damping_ratio = '//real_text(ratio)//' of the bodies alone: with what is &
+            &rigidly joined to them the same damping is '//short(ratio*sqrt(joined/alone))
+         warnings = [warnings, warning]
       end subroutine compare
 
    end subroutine warn_of_joined_inertias
