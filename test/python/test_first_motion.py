@@ -77,3 +77,25 @@ def test_a_first_motion_of_few_harmonics_gets_as_many_as_the_tolerance_needs(tol
     assert branch.error_estimate[0] < max(tolerance, 5e-6) and branch.harmonics[0] >= 200
     assert motion.rms == pytest.approx(exact.rms, rel=max(tolerance, 5e-6))
     assert motion.stable and not motion.undecided
+
+
+@pytest.mark.full
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_a_planet_that_rattles():
+    """An error of 10 um unloads a planet: its motion has more harmonics than a balance takes, and the search says so soon."""
+    bodies = [gt.Body(name="motor", inertia=0.05, torque=300.0), gt.Body(name="sun", inertia=8e-4),
+              gt.Body(name="ring", inertia=0.12, held=True), gt.Body(name="arm", inertia=0.085),
+              gt.Body(name="pinion", inertia=2e-3), gt.Body(name="wheel", inertia=4e-2),
+              gt.Body(name="load", inertia=1.0, balances=True)]
+    drawn = {"pressure_angle": 20.0, "face_width": 0.03, "backlash": 80e-6, "damping_ratio": 0.04, "stiffness_harmonics": 3}
+    stage = gt.Planetary(name="stage 1", sun="sun", ring="ring", carrier="arm", teeth=(21, 33, 87), planets=3, normal_module=3e-3,
+                         planet_errors=[0.0, 10e-6, -5e-6], **drawn)
+    mesh = gt.Mesh(between=("pinion", "wheel"), teeth=(27, 64), normal_module=4e-3, helix_angle=12.0, **drawn)
+    shafts = [gt.Shaft(between=("motor", "sun"), stiffness=2e4, damping_ratio=0.03),
+              gt.Shaft(between=("arm", "pinion"), stiffness=3e5, damping_ratio=0.03),
+              gt.Shaft(between=("wheel", "load"), stiffness=3e5, damping_ratio=0.03)]
+    train = gt.Train(bodies=bodies, planetaries=[stage], meshes=[mesh], shafts=shafts)
+    motion = train.integrate(800.0)
+    assert motion.kind == "periodic" and motion.separation_fraction.max() > 0.5
+    with pytest.raises(gt.SolverError, match="that on which time integration settles has more harmonics than a response takes"):
+        train.response(start=800.0, stop=801.0, unit="rpm", harmonics=0, stability=False, max_points=3)

@@ -163,7 +163,7 @@ contains
       class(observer_type), intent(inout), optional :: observer
       type(solution_point_type) :: solution, began
       integer :: enough
-      logical :: success, stopped
+      logical :: success, settled, stopped
 
       outcome = 0
       if (.not. tracer%resumes) then
@@ -172,17 +172,22 @@ contains
          ! Not known yet: that at hand is of the trace from the other end.
          tracer%curvature = 0
          call tracer%note_state(branch%trace)
-         call find_start(train, tracer, from, to, solution, success, enough, stopped, observer)
+         call find_start(train, tracer, from, to, solution, success, enough, settled, stopped, observer)
          if (stopped .and. .not. tracer%system%interrupt%raised()) then
             call tell_cancelled()
             return
          end if
          if (.not. success) then
             reason = words_type('no motion of period '//text(tracer%settings%subharmonic)//' found to start from')
-            if (enough == 0) reason = reason//', neither from rest, by integration, nor by branches from other frequencies or from &
-                                      &a smaller stiffness variation'
-            if (enough > 0) reason = reason//' with '//text(tracer%corrector%balance%highest)//' harmonics: there is one with ' &
-                                     //text(enough)
+            if (enough > 0) then
+               reason = reason//' with '//text(tracer%corrector%balance%highest)//' harmonics: there is one with '//text(enough)
+            else if (settled) then
+               reason = reason//': that on which time integration settles has more harmonics than a response takes, as where teeth &
+                        &rattle without a load; follow it by &integration'
+            else
+               reason = reason//', neither from rest, by integration, nor by branches from other frequencies or from &
+                        &a smaller stiffness variation'
+            end if
             reason = reason//note_of(can_float(tracer%system))
             return
          end if

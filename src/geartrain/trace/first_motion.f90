@@ -34,6 +34,8 @@ module geartrain_trace_first_motion
    integer, parameter :: sections_here = 128, sections_elsewhere = 8
    !> Most mesh cycles of a flow that is to settle. Most mesh cycles of a period that is flown over in a train that goes by windows.
    real(dp), parameter :: most_cycles = 20000, longest_period = 50
+   !> Most mesh cycles of a period in which orbits are looked for beside the one that the flow settles on.
+   real(dp), parameter :: longest_search = 8
    !> Most points of a branch that leads to the start, and of one in the period of hunting teeth, where a point may take a second.
    integer, parameter :: most_points = 2000, most_points_of_long = 100
    !> Stiffness variation at which a branch over it begins, over that of the train [1]: a resonance is then too weak for a second
@@ -53,7 +55,7 @@ contains
    !> A motion of long period takes minutes to fly over, and is not looked for in flights over whole periods. The motions of a
    !> branch may repeat themselves within the period of the fundamental. Then flights are those of the train with divided orders.
    !> Flights over the whole period would also come to motions that do not repeat themselves.
-   recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, stopped, observer)
+   recursive subroutine find_start(train, tracer, frequency_ratio, other, solution, success, enough, settled, stopped, observer)
       !> The train as described.
       type(train_type), intent(in) :: train
       !> Of `train`, from begin_trace.
@@ -66,6 +68,8 @@ contains
       logical, intent(out) :: success
       !> Harmonics of a solution that was found, where there is none with settings%harmonics; 0: no such case.
       integer, intent(out) :: enough
+      !> No motion was found, though time integration settles on one: its harmonics are too few.
+      logical, intent(out) :: settled
       !> The observer or an interrupt ended the search before a motion was found.
       logical, intent(out) :: stopped
       !> Is told of the periods of the fundamental of time integration, and may cancel.
@@ -77,14 +81,15 @@ contains
       real(dp), parameter :: times(*) = [0.5_dp, 2.0_dp, 0.2_dp, 5.0_dp], share(*) = [0.25_dp, 0.5_dp, 0.75_dp, 1.0_dp]
       real(dp), allocatable :: elsewhere(:)
       real(dp) :: cycles
-      integer :: i, round
+      integer :: i, round, sections
       logical :: flies, settles
 
       if (allocated(tracer%corrector%balance%path)) then
-         call find_start_at(tracer, frequency_ratio, solution, success, enough, stopped, observer)
+         call find_start_at(tracer, frequency_ratio, solution, success, enough, settled, stopped, observer)
          return
       end if
       enough = 0
+      settled = .false.
       stopped = .false.
       solution = resting(tracer, frequency_ratio)
       call tracer%corrector%solve_at(solution, success)
@@ -122,10 +127,11 @@ contains
             solution = solution_of(tracer, motion)
             call tracer%corrector%solve_at(solution, success)
          end if
-         if (.not. flies) exit
-         if (.not. success) &
-            call solve_near_flow(tracer, frequency_ratio, min(sections_here, 10*sections_here/tracer%system%states), solution, &
-                                 success, enough, stopped, observer)
+         ! The orbit nearest to the flow is the one that it settles on; looking for others takes minutes.
+         if (.not. flies .or. settled .and. .not. success .and. cycles > longest_search) exit
+         sections = min(sections_here, 10*sections_here/tracer%system%states)
+         if (cycles > longest_search) sections = min(sections, max(sections_elsewhere/2, nint(sections_here/cycles)))
+         if (.not. success) call solve_near_flow(tracer, frequency_ratio, sections, solution, success, enough, stopped, observer)
       end do
 
    contains
@@ -143,6 +149,7 @@ contains
             if (motion%period > 0 .and. mod(tracer%settings%subharmonic, max(1, motion%period)) == 0) then
                call repeat_waveform(times, motion)
                call solve_near(tracer, motion, solution, success, enough)
+               settled = .not. success
             end if
          end associate
       end subroutine solve_where_flow_settles
@@ -177,11 +184,11 @@ contains
    end function decay_of_train
 
    !> Finds a motion at a value of the parameter of a path: a motion of the train with this value, at the Lambda of the path.
-   recursive subroutine find_start_at(tracer, value, solution, success, enough, stopped, observer)
+   recursive subroutine find_start_at(tracer, value, solution, success, enough, settled, stopped, observer)
       type(tracer_type), intent(inout) :: tracer
       real(dp), intent(in) :: value
       type(solution_point_type), intent(out) :: solution
-      logical, intent(out) :: success, stopped
+      logical, intent(out) :: success, settled, stopped
       integer, intent(out) :: enough
       class(observer_type), intent(inout), optional :: observer
       type(train_type) :: train
@@ -197,7 +204,8 @@ contains
          call path%train_at(value, train)
          call begin_trace(train, settings, systems, fixed)
          first = fixed%corrector%balance%highest
-         call find_start(train, fixed, path%frequency_ratio, 2*path%frequency_ratio, solution, success, enough, stopped, observer)
+         call find_start(train, fixed, path%frequency_ratio, 2*path%frequency_ratio, solution, success, enough, settled, stopped, &
+                         observer)
       end associate
       if (.not. success) return
       motion = motion_at(fixed, solution)
