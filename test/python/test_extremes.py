@@ -11,7 +11,7 @@ SAMPLES = 100_000
 
 
 def compare(found, samples):
-    """Extremes are those of the samples, and not farther beyond than the signal moves between two samples, across a jump too."""
+    """No sample lies beyond an extreme; an extreme exceeds the samples by no more than the signal moves between two of them."""
     apart = np.abs(np.diff(samples, axis=0)).max(0)
     rounding = 1e-9 * np.abs(samples).max()
     for extreme, inside in ((found[0], -samples.min(0)), (found[1], samples.max(0))):

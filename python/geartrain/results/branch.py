@@ -332,6 +332,8 @@ class Branch(Curves):
     def onsets(self) -> list[SpecialPoint]:
         """Contact onsets: where a mesh begins or ceases to separate, or its back flanks to touch, as special points.
 
+        They lie on the branch, or on an interpolation of its points with dry friction and where Newton's method fails beside one.
+
         Examples
         --------
         >>> [(onset.kind, onset.mesh, round(onset.frequency, 4)) for onset in branch.onsets][:2]

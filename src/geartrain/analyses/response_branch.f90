@@ -184,6 +184,7 @@ contains
             else if (settled) then
                reason = reason//': that on which time integration settles has more harmonics than a response takes, as where teeth &
                         &rattle without a load; follow it by &integration'
+               if (tracer%settings%harmonics > 0) reason = reason//', or take harmonics = 0'
             else
                reason = reason//', neither from rest, by integration, nor by branches from other frequencies or from &
                         &a smaller stiffness variation'

@@ -77,8 +77,8 @@ contains
    end subroutine add
 
    !> Rounding in the value after all steps. Where rounding is all that is left, some neighbours in the table are close to one
-   !> another by chance, and say little about the error. The last three differences of a column are rarely so: the column
-   !> where they differ least tells the rounding over the shortest step. Over a step twice as long it is half as large.
+   !> another by chance, and say little about the error. The last three differences of a column are rarely so. Of all
+   !> columns the smallest of these gives the rounding over the shortest step. Over a step twice as long it is half as large.
    pure real(dp) function rounding(self)
       class(differences_type), intent(in) :: self
       integer :: j
