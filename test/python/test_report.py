@@ -179,7 +179,7 @@ def test_jumps_and_bands_are_sentences(told):
     assert f"and {len(results.response.jumps) - shown} more with smaller amplitudes (2 undecided)" in words
     everything = results.report(verbose=True)
     assert len(re.findall(r"speed (?:up|down): at", flat(everything))) == len(results.response.jumps)
-    assert len(re.findall(r"^ +\d +[\d.]+ +[\d.]+ +[\d.]+ +[\d.]+  (?:un|st)", everything, re.MULTILINE)) == len(
+    assert len(re.findall(r"^ +mesh \d +[\d.]+ +[\d.]+ +[\d.]+ +[\d.]+  (?:un|st)", everything, re.MULTILINE)) == len(
         results.response.peaks()
     )
 
@@ -243,6 +243,29 @@ def test_a_drawing_has_its_units(tmp_path):
     assert f"mesh {mesh + 1} from {before} to {after}" in flat(words)
     # The first mesh at 23 per turn of the motor and the third mode.
     assert re.search(r"^ +16\d\d\.\d +23 +6\d\d\.?\d* +3 ", words, re.MULTILINE)
+
+
+def test_twists_of_couplings_have_their_unit():
+    """A twist of 1 mrad where a mesh has 1 um; largest force and torque; the names of what is told."""
+    shafts = gt.Train(
+        bodies=[gt.Body(name="motor", inertia=2e-3, torque=20.0, revolution_torque_cos=[0.0, 12.0]),
+                gt.Body(name="pinion", inertia=2e-3), gt.Body(name="wheel", inertia=0.03, balances=True)],
+        couplings=[gt.Coupling(between=["motor", "pinion"], stiffness=4e4, half_play=4e-3, damping_ratio=0.02)],
+        meshes=[gt.Mesh(between=["pinion", "wheel"], teeth=[19, 61], normal_module=2.5e-3, helix_angle=25.0, face_width=0.025,
+                        backlash=80e-6, damping_ratio=0.05, stiffness_harmonics=1)])
+    branch = shafts.response(start=18500.0, stop=19500.0, unit="rpm", harmonics=0)
+    assert len(branch.jumps) > 0
+    words = str(branch)
+    assert "Jumps (true rms [um, mrad], mesh with the largest change)" in flat(words)
+    assert "of mesh 1 and coupling 1 is at the end of the range" in flat(words)
+    twist = shafts.integrate(19500.0)
+    peak = branch.peaks()[-1]
+    ends = str(branch.peaks())
+    assert peak.mesh == 1 and "rms of the paper [um, mrad]" in ends and "largest force [N, of couplings N m]" in ends
+    assert "coupling 1" in ends and ", coupling 1" in str(list(branch.jumps.to_dataframe().columns))
+    # The largest twist of a spring with a play is the play and the torque over the stiffness.
+    rad = 1e-3 * twist.maximum[1]
+    assert rad == pytest.approx(4e-3 + twist.coupling_torque_maximum[0] / 4e4, rel=1e-2)
 
 
 def test_a_transmission_error_without_phase_is_told(told):

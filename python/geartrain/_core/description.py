@@ -26,7 +26,10 @@ if TYPE_CHECKING:
 
     from ..variables import Analyses
 
-__all__ = ["Description", "bearings_of", "contact_words", "half_gaps", "is_of_ring", "load_signs", "part_labels", "part_names"]
+__all__ = [
+    "Description", "bearings_of", "contact_words", "element_name", "half_gaps", "is_of_ring", "load_signs", "part_labels",
+    "part_names",
+]
 
 
 class Description(TrainVariables):
@@ -259,6 +262,11 @@ def contact_words(train: Description | None, places: Iterable[int], what: str) -
         return {place: words[0] for place in places}
     signs, first = load_signs(train), len(train.meshes)
     return {place: words[place >= first] for place in places if place < first or what == "separation" or signs[place] >= 0}
+
+
+def element_name(train: Description | None, place: int) -> str:
+    """What stands at a place along the dimension ``mesh``, counted from 0: ``'coupling 1'``; without a train a mesh."""
+    return train.mesh_elements[place] if isinstance(train, Description) else f"mesh {place + 1}"
 
 
 def _groups_of(train: Description) -> list[Mapping[str, Any]]:

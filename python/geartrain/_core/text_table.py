@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from .description import Description, element_name
 from .extras import extra
+from .units import length_unit
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -18,13 +20,18 @@ Row = TypeVar("Row")
 
 
 class Rows(list[Row]):
-    """A list of results that is printed as a table; ``length`` is the unit of displacements in its headings."""
+    """A list of results of a train that is printed as a table."""
 
-    length: str
+    train: Description | None
 
-    def __init__(self, rows: Iterable[Row] = (), length: str = "") -> None:
+    def __init__(self, rows: Iterable[Row] = (), train: Description | None = None) -> None:
         super().__init__(rows)
-        self.length = length
+        self.train = train
+
+    @property
+    def length(self) -> str:
+        """Unit of displacements, as a heading has it."""
+        return length_unit(self.train)
 
     def _table(self) -> Mapping[str, Sequence[Any]]:
         """The columns by their headings."""
@@ -39,8 +46,8 @@ class Rows(list[Row]):
         for heading, values in self._table().items():
             if any(isinstance(value, np.ndarray) for value in values):
                 for mesh in range(max(value.size for value in values if isinstance(value, np.ndarray))):
-                    columns[f"{heading}, mesh {mesh + 1}"] = [value[mesh] if isinstance(value, np.ndarray) else None
-                                                              for value in values]
+                    own = [value[mesh] if isinstance(value, np.ndarray) else None for value in values]
+                    columns[f"{heading}, {element_name(self.train, mesh)}"] = own
             elif any(value is not None for value in values):
                 columns[heading] = list(values)
         frame: DataFrame = extra("pandas").DataFrame(columns)

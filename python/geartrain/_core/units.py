@@ -15,6 +15,7 @@ from .description import Description
 __all__ = [
     "Unit",
     "Units",
+    "both_units",
     "frequency_words",
     "hertz_of",
     "in_own_unit",
@@ -69,9 +70,22 @@ def frequency_words(frequency: float, train: Any) -> str:
 
 
 def length_unit(train: Description | None) -> str:
-    """Unit of displacements over the characteristic length where it has a name, as the head of a column has it."""
-    length = train._outline["characteristic_length"] if isinstance(train, Description) else 0.0
-    return " [um]" if abs(length - 1e-6) < 1e-18 else " [m]" if abs(length - 1.0) < 1e-12 else ""
+    """Unit of displacements over the characteristic length where it has a name, as the head of a column has it.
+
+    The displacement of a coupling is 1 um for a twist of 1 mrad.
+    """
+    if not isinstance(train, Description):
+        return ""
+    length = train._outline["characteristic_length"]
+    if abs(length - 1e-6) < 1e-18:
+        return " " + both_units(train, "um", "mrad")
+    return " " + both_units(train, "m", "krad") if abs(length - 1.0) < 1e-12 else ""
+
+
+def both_units(train: Description, mesh: str, coupling: str) -> str:
+    """The unit of meshes and that of couplings in brackets, where there are any."""
+    there = (len(train.couplings) < len(train.mesh_elements), bool(train.couplings))
+    return f"[{', '.join(unit for unit, one in zip((mesh, coupling), there) if one)}]"
 
 
 def _at_one(train: Description | None, unit: Any) -> float:
@@ -138,7 +152,8 @@ def units_of(train: Description | None, unit: str | None) -> Units:
         units = replace(units, frequency=label, time="time  [ms]", time_factor=1e3 / omega)
     # A characteristic length that was left out is 1 um.
     if train.characteristic_length is None:
-        units = replace(units, length=r"[$\mu$m]", velocity="[mm/s]", velocity_factor=1e-3 * omega)
+        units = replace(units, length=both_units(train, r"$\mu$m", "mrad"), velocity=both_units(train, "mm/s", "rad/s"),
+                        velocity_factor=1e-3 * omega)
     return units
 
 

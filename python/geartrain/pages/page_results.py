@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.box import described
-from .._core.description import Description, contact_words, is_of_ring, load_signs, part_names
+from .._core.description import Description, contact_words, element_name, is_of_ring, load_signs, part_names
 from .._core.extras import extra
-from .._core.units import hertz_of, in_own_unit, length_unit, speed_of, units_of
+from .._core.units import both_units, hertz_of, in_own_unit, length_unit, speed_of, units_of
 from ..errors import InputError
 from ..plots.captions import caption, first_quantity, force_unit, force_words, is_drawn
 from ..plots.schematic import draw_schematic, figure_size
@@ -119,6 +119,7 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
         "speedOf": train.speed_name,
         "length": train._outline["characteristic_length"],
         "lengthUnit": length_unit(train).strip(" []"),
+        "velocityUnit": both_units(train, "mm/s", "rad/s").strip("[]"),
         "forceUnit": force_unit(train),
         "forceWords": force_words(train),
         "parts": _parts(train),
@@ -293,12 +294,12 @@ def _laws(train: Description, branches: Sequence[Any], settled: Sequence[Any]) -
 def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
     """What is read off a branch, as tables; with the point of each row where there is one."""
     peaks, jumps = branch.peaks(), branch.jumps
-    specials = SpecialPoints(branch.special_points, length_unit(branch.train))
+    specials = SpecialPoints(branch.special_points, branch.train)
     ends = [peak for peak, _ in getattr(peaks, "ends", ())]
     found = [
-        _table("Peaks", peaks._table(), [[place, peak.point] for peak in [*peaks, *ends]]),
-        _table("Jumps", jumps._table(), [[place, _nearest(branch, jump)] for jump in jumps]),
-        _table("Special points", specials._table(), [[place, special.point] for special in specials]),
+        _table("Peaks", peaks._table(), [[place, peak.point] for peak in [*peaks, *ends]], branch.train),
+        _table("Jumps", jumps._table(), [[place, _nearest(branch, jump)] for jump in jumps], branch.train),
+        _table("Special points", specials._table(), [[place, special.point] for special in specials], branch.train),
     ]
     unit = f" [{branch.parameter_unit}]" if branch.parameter_unit not in ("", "1") else ""
     found.insert(1, _table(*_largest(branch, place)))
@@ -372,8 +373,9 @@ def _nearest(branch: Any, jump: Any) -> int:
     return int(apart.argmin())
 
 
-def _table(name: str, columns: Mapping[str, Sequence[Any]], points: Sequence[Sequence[int]] = ()) -> dict[str, Any]:
-    """A table: headings and rows; a column of lists becomes one for each mesh."""
+def _table(name: str, columns: Mapping[str, Sequence[Any]], points: Sequence[Sequence[int]] = (),
+           train: Description | None = None) -> dict[str, Any]:
+    """A table: headings and rows; a column of lists becomes one for each mesh of the train."""
     flat: dict[str, list[Any]] = {}
     before = ""
     for heading, values in columns.items():
@@ -386,7 +388,7 @@ def _table(name: str, columns: Mapping[str, Sequence[Any]], points: Sequence[Seq
         words = before.replace("before", "after") if heading == "after" else heading
         before = heading
         for mesh in range(widest):
-            flat[f"{words}, mesh {mesh + 1}" if widest > 1 else words] = [value[mesh] for value in values]
+            flat[f"{words}, {element_name(train, mesh)}" if widest > 1 else words] = [value[mesh] for value in values]
     return {"name": name, "headings": list(flat), "rows": list(zip(*flat.values())), "points": list(points)}
 
 

@@ -18,7 +18,7 @@ from .._core.box import Box, Group, described
 from .._core.dataset import dataframe, dataset
 from .._core.description import Description, part_labels
 from .._core.parameter import with_values
-from .._core.units import Unit, frequency_words, hertz_of, in_own_unit, lambda_of, length_unit, speed_of
+from .._core.units import Unit, frequency_words, hertz_of, in_own_unit, lambda_of, speed_of
 from .._core.watch import watched
 from ..errors import InputError, SolverError, shown
 from ..pages.page import Page, page
@@ -345,7 +345,7 @@ class Branch(Curves):
             SpecialPoint(kind.strip(), self._lambda(float(value)), int(point) - 1, rms, False, *self._speeds(float(value)),
                          branch=self, mesh=int(mesh))
             for kind, mesh, value, point, rms in rows
-        ), length_unit(self.train))
+        ), self.train)
 
     def to_dataset(self) -> Dataset:
         """The points as an xarray Dataset with the names, units and coordinates of the results file; needs xarray.
@@ -474,7 +474,7 @@ class Branch(Curves):
             )
             for kind, value, point, undecided, rms, correction, multiplicity in
             rows.rows("kind", "parameter" if over else "frequency", "after_point", "undecided", "rms", "correction", "multiplicity")
-        ), length_unit(train))
+        ), train)
         known = {item.name for item in fields(cls)}
         # Axes, and what follows from other fields or the train, are no fields of their own; an attribute may have an array's name.
         arrays = {name: values for name, values in group.arrays.items()

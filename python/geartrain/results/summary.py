@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.box import Box, Group
-from .._core.description import Description
+from .._core.description import Description, element_name
 from .._core.text_table import Rows
-from .._core.units import hertz_of, lambda_of, length_unit, own_lambda, speed_of
+from .._core.units import hertz_of, lambda_of, own_lambda, speed_of
 from ..errors import InputError, SolverError, shown
+from ..plots.captions import force_unit
 from ..plots.draw import check_number
 
 __all__ = ["Jump", "Jumps", "Peak", "Peaks", "Readings", "speeds"]
@@ -73,12 +74,13 @@ class Peaks(Rows[Peak]):
 
     def _table(self) -> Mapping[str, Sequence[Any]]:
         rows = [*self, *(peak for peak, _ in self.ends)]
+        mixed = self.train is not None and bool(self.train.couplings or self.train.bearings)
         ends = {"at the end of the range": [*[None] * len(self), *(words for _, words in self.ends)]} if self.ends else {}
         return {
-            "mesh": [peak.mesh for peak in rows],
+            "mesh": [element_name(self.train, peak.mesh - 1) if mixed else peak.mesh for peak in rows],
             **speeds(rows),
             f"rms of the paper{self.length}": [peak.rms for peak in rows],
-            "largest force [N]": [peak.mesh_force_maximum for peak in rows],
+            f"largest force [{force_unit(self.train)}]": [peak.mesh_force_maximum for peak in rows],
             "dynamic factor": [peak.dynamic_factor for peak in rows],
             "stable": [peak.stable for peak in rows],
             **ends,
@@ -195,7 +197,7 @@ class Readings:
             self._peak(float(f), float(rms), int(point) - 1, bool(stable) if known else None, bool(undecided), int(number))
             for f, rms, point, stable, undecided, number in rows
             if mesh is None or number == mesh
-        ), length_unit(self.train))
+        ), self.train)
         peaks.ends = [end for number in range(1, self.rms.shape[1] + 1) if mesh in {None, number} for end in self._at_ends(number)]
         return peaks
 
@@ -253,7 +255,7 @@ class Readings:
             Jump(self._lambda(float(at)), kind, direction, cause, before, after, int(candidates), bool(undecided),
                  *self._speeds(float(at)), self._special_at(float(at), cause))
             for at, kind, direction, cause, before, after, candidates, undecided in self._read_off("jumps").rows(*names)
-        ), length_unit(self.train))
+        ), self.train)
 
     @property
     def bands_without_stability(self) -> Array:

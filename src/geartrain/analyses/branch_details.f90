@@ -12,6 +12,7 @@ module geartrain_analyses_branch_details
    use geartrain_readings_summary, only: band_type, folds, peak_type, peaks
    use geartrain_trace_branch, only: branch_type, carried_by, has_sets
    use geartrain_trace_decided, only: rests_on_undecided
+   use geartrain_train_mesh_groups, only: group_length, mesh_word
    use geartrain_train_names, only: mesh_names, name_length
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -48,7 +49,7 @@ contains
       else
          call sheet%say(in_details, 'harmonics: '//text(branch%harmonics))
       end if
-      call put_peaks(branch, told, length_text(train), sheet)
+      call put_peaks(branch, train, told, sheet)
       at_fold = folds(branch)
       if (size(at_fold) > 0) then
          words = 'folds at '//trim(told%unit)
@@ -63,26 +64,34 @@ contains
    end subroutine put_details
 
    !> A row for each peak of each mesh.
-   subroutine put_peaks(branch, told, lengths, sheet)
+   subroutine put_peaks(branch, train, told, sheet)
       type(branch_type), intent(in) :: branch
+      type(train_type), intent(in) :: train
       type(frequency_text_type), intent(in) :: told
-      type(length_text_type), intent(in) :: lengths
       type(sheet_type), intent(inout) :: sheet
       type(peak_type), allocatable :: found(:)
-      character(:), allocatable :: line
-      integer :: mesh, i
+      type(length_text_type) :: lengths
+      character(:), allocatable :: line, swing, force
+      character(group_length + 12) :: words(branch%meshes)
+      integer :: mesh, i, widths(4)
 
-      line = 'mesh'//in_width('peak at '//told%unit, 18)//in_width(lengths%name, 18)
-      line = line//in_width('peak to peak'//trim(merge(' [um]', '     ', lengths%drawn)), 19)//'   largest force [N]'
-      call sheet%add(in_details, line)
+      lengths = length_text(train)
+      swing = trim('peak to peak '//lengths%unit)
+      force = 'largest force [N]'
+      if (any(train%meshes%is_coupling)) force = 'largest force [N, N m]'
+      widths = [18, max(18, len_trim(lengths%name) + 2), max(19, len(swing) + 2), max(20, len(force) + 2)]
+      line = in_width('peak at '//told%unit, widths(1))//in_width(lengths%name, widths(2))
+      line = line//in_width(swing, widths(3))//in_width(force, widths(4))
+      words = [(mesh_word(train%meshes, i), i=1, branch%meshes)]
+      call sheet%add(in_details, 'mesh'//repeat(' ', maxval(len_trim(words)) - len('mesh'))//line)
       do mesh = 1, branch%meshes
          found = peaks(branch, mesh)
          do i = 1, size(found)
             associate (peak => found(i))
-               line = in_width(text(mesh), 4)//in_width(told%number(peak%frequency_ratio), 18)// &
-                      in_width(lengths%rms(peak%rms), 18)//in_width(significant(lengths%per_length* &
-                      (branch%maximum(mesh, peak%point) - branch%minimum(mesh, peak%point))), 19)// &
-                      in_width(significant(branch%mesh_load(mesh, peak%point)%force_maximum), 20)
+               line = words(mesh)(:maxval(len_trim(words)))//in_width(told%number(peak%frequency_ratio), widths(1))// &
+                      in_width(lengths%rms(peak%rms), widths(2))//in_width(significant(lengths%per_length* &
+                      (branch%maximum(mesh, peak%point) - branch%minimum(mesh, peak%point))), widths(3))// &
+                      in_width(significant(branch%mesh_load(mesh, peak%point)%force_maximum), widths(4))
                if (allocated(branch%stable)) line = line//'  '//merge('undecided', merge('stable   ', 'unstable ', peak%stable), &
                                                                       peak%undecided)
                call sheet%add(in_details, line)

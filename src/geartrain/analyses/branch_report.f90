@@ -19,7 +19,7 @@ module geartrain_analyses_branch_report
    use geartrain_analyses_planet_loads, only: say_sharing
    use geartrain_trace_branch, only: branch_type, gap_along, response_settings_type
    use geartrain_trace_decided, only: joined
-   use geartrain_train_names, only: list_numbers, mesh_names, name_length
+   use geartrain_train_names, only: list_meshes, mesh_names, name_length
    use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -171,7 +171,7 @@ contains
          end do
          call find_errors(branch, train, largest, error)
          call say_meshes(branch%mesh_load(:, :n), largest, at, at_end, error, sweep, contact, names, told, sheet)
-         call say_ends(branch, largest, at_end, sheet)
+         call say_ends(branch, train, largest, at_end, sheet)
          if (allocated(branch%load_share)) call say_sharing(branch%load_share(:, :n), branch%load_share_maximum(:, :n), at, &
                                                             counts, train, told, sheet)
          if (allocated(branch%shaft_torque_mean)) then
@@ -248,9 +248,10 @@ contains
 
    end subroutine find_contact
 
-   !> Adds a sentence on meshes whose vibration or force is largest at an end of the range.
-   subroutine say_ends(branch, largest, at_end, sheet)
+   !> Adds a sentence on meshes, couplings and bearings whose vibration or force is largest at an end of the range.
+   subroutine say_ends(branch, train, largest, at_end, sheet)
       type(branch_type), intent(in) :: branch
+      type(train_type), intent(in) :: train
       !> Index of the point with the largest force of each mesh, (mesh).
       integer, intent(in) :: largest(:)
       !> Whether a motion lies at an end of the range, (point).
@@ -263,7 +264,7 @@ contains
       do mesh = 1, branch%meshes
          is_there(mesh) = at_end(largest(mesh)) .or. at_end(maxloc(branch%rms(mesh, :branch%points), 1))
       end do
-      call list_numbers(is_there, 'mesh', 'meshes', list)
+      call list_meshes(train, is_there, list)
       if (list /= '') call sheet%say(in_result, 'The largest force or vibration of '//list//' is at the end of the range; a larger &
                                      &one may lie beyond.')
    end subroutine say_ends

@@ -3,7 +3,7 @@ module geartrain_analyses_run_up
    use geartrain_analyses_analysis, only: analysis_type, group_row_type
    use geartrain_base_words, only: lambda, operator(//), words_type
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, in_width
-   use geartrain_train_names, only: list_numbers, mesh_names, name_length, shaft_names
+   use geartrain_train_names, only: list_meshes, list_numbers, mesh_names, name_length, shaft_names
    use geartrain_base_sheet, only: in_head, in_quality, in_result, in_run_up, sheet_type
    use geartrain_analyses_torque_table, only: torque_table_type
    use geartrain_analyses_run_up_pulling, only: say_pulling
@@ -27,7 +27,7 @@ module geartrain_analyses_run_up
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency
    use geartrain_train_mesh, only: coupling_radius
-   use geartrain_train_mesh_groups, only: group_number, mesh_word
+   use geartrain_train_mesh_groups, only: mesh_word
    use geartrain_network_rest, only: largest_residual
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -425,14 +425,7 @@ contains
             reverse = [(.not. train%shafts(k)%rigid .and. minval(result%torque_minimum(k, :n)) < 0 .and. &
                         maxval(result%torque_maximum(k, :n)) > 0, k=1, size(reverse))]
          end associate
-         call list_numbers(pack(lose, train%meshes%is_pair()), 'mesh', 'meshes', list)
-         call list_numbers(pack(lose, train%meshes%is_coupling), 'coupling', 'couplings', place)
-         if (list /= '' .and. place /= '') place = ' and '//place
-         list = list//place
-         call list_numbers([(any(lose .and. train%meshes%axis > 0 .and. [(group_number(train%meshes, k), k=1, size(lose))] == i), &
-                             i=1, count(train%meshes%axis == 1))], 'bearing', 'bearings', place)
-         if (list /= '' .and. place /= '') place = ' and '//place
-         list = list//place
+         call list_meshes(train, lose, list)
          if (list == '') list = trim(merge('no coupling', 'no mesh    ', all(train%meshes%is_coupling)))
          words = words//'; '//list//trim(merge(' loses', ' lose ', count(lose) < 2))//' contact'
          call list_numbers(reverse, 'shaft', 'shafts', list)

@@ -1,5 +1,5 @@
 !> Displacements of meshes as a report states them: true root mean square in um where the train has a unit of length, else the rms
-!> of the paper over the characteristic length.
+!> of the paper over the characteristic length. The displacement of a coupling is 1 um for a twist of 1 mrad.
 module geartrain_readings_length_text
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: significant
@@ -14,8 +14,8 @@ module geartrain_readings_length_text
       real(dp) :: per_rms = 1, per_length = 1
       !> Whether the train has a unit of length.
       logical :: drawn = .false.
-      !> Name of an rms, with the unit in brackets.
-      character(20) :: name = 'rms of the paper'
+      !> Name of an rms, with the unit in brackets; the unit in brackets, '' without a unit of length.
+      character(20) :: name = 'rms of the paper', unit = ''
    contains
       procedure :: rms
    end type length_text_type
@@ -31,7 +31,10 @@ contains
       call plain_train(train, plain)
       lengths%drawn = abs(plain%characteristic_length - 1e-6_dp) < 1e-18_dp .or. abs(plain%characteristic_length - 1) < 1e-12_dp
       if (.not. lengths%drawn) return
-      lengths%name = 'true rms [um]'
+      lengths%unit = '[um]'
+      if (any(train%meshes%is_coupling)) lengths%unit = '[um, mrad]'
+      if (all(train%meshes%is_coupling)) lengths%unit = '[mrad]'
+      lengths%name = 'true rms '//lengths%unit
       lengths%per_length = plain%characteristic_length/1e-6_dp
       ! The paper sums squared amplitudes; a true mean square is half of the sum.
       lengths%per_rms = lengths%per_length/sqrt(2.0_dp)

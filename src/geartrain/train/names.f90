@@ -1,12 +1,12 @@
 !> How a report calls meshes, shafts and harmonics.
 module geartrain_train_names
    use geartrain_base_numbers, only: text
-   use geartrain_train_mesh_groups, only: mesh_word
+   use geartrain_train_mesh_groups, only: group_number, mesh_word
    use geartrain_train_labels, only: coupling_labels, held_labels, label_length, mesh_labels, shaft_labels
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: list_numbers, mesh_names, name_length, shaft_names, torque_names
+   public :: list_meshes, list_numbers, mesh_names, name_length, shaft_names, torque_names
 
    !> Most characters of a name.
    integer, parameter :: name_length = label_length + 20
@@ -68,6 +68,38 @@ contains
          end do
       end associate
    end function torque_names
+
+   !> The numbers of those that are there by their kinds: 'meshes 1, 2 and coupling 1', '' for none.
+   subroutine list_meshes(train, is_there, words)
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      !> Whether each mesh, coupling or direction of a bearing is there, (mesh).
+      logical, intent(in) :: is_there(:)
+      !> The list.
+      character(:), allocatable, intent(out) :: words
+      integer :: numbers(size(is_there)), i
+
+      words = ''
+      associate (meshes => train%meshes)
+         call add(pack(is_there, meshes%is_pair()), 'mesh', 'meshes')
+         call add(pack(is_there, meshes%is_coupling), 'coupling', 'couplings')
+         numbers = [(group_number(meshes, i), i=1, size(meshes))]
+         call add([(any(is_there .and. meshes%axis > 0 .and. numbers == i), i=1, count(meshes%axis == 1))], 'bearing', 'bearings')
+      end associate
+
+   contains
+
+      subroutine add(those, one, many)
+         logical, intent(in) :: those(:)
+         character(*), intent(in) :: one, many
+         character(:), allocatable :: list
+
+         call list_numbers(those, one, many, list)
+         if (words /= '' .and. list /= '') words = words//' and '
+         words = words//list
+      end subroutine add
+
+   end subroutine list_meshes
 
    !> The numbers of those that are there, with a word before: 'mesh 2', 'meshes 1, 2, 5'; '' for none.
    subroutine list_numbers(is_there, one, many, words)

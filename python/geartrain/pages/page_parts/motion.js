@@ -227,9 +227,9 @@ function drawFacts() {
   ].filter((name) => series.values[name]);
   // The unit stands once in the heading, so that three columns have room on a telephone.
   const heading = (name) => {
-    const unit = LENGTHS.has(name) ? lengthText(file) : { N: " N" }[data.quantities[name].unit] || "";
+    const unit = LENGTHS.has(name) ? lengthText(file) : { N: "N" }[data.quantities[name].unit];
     const words = { rms: "rms of the paper", dynamic_factor: "dynamic factor" }[name] || quantityWords(name);
-    return words.replace("mesh displacement, ", "displacement, ") + (unit && `,${unit}`);
+    return words.replace("mesh displacement, ", "displacement, ") + (unit ? `, ${unit}` : "");
   };
   const head = make(
     "tr",

@@ -255,7 +255,7 @@ function drawPlane({ series, row, file, there, period, highest, lambda }) {
   const wave = there ? waveform(series, row, phases)[mesh] : null;
   const made = smallLayout(
     `displacement ${lengthUnit(file)}`,
-    `velocity ${file.lengthUnit === "um" ? "[mm/s]" : file.lengthUnit ? "[m/s]" : "/ b<sub>c</sub> ω<sub>c</sub>"}`,
+    `velocity ${inMicrometres(file) ? `[${file.velocityUnit}]` : file.lengthUnit ? "[m/s]" : "/ b<sub>c</sub> ω<sub>c</sub>"}`,
   );
   const half = file.laws[mesh]?.half || 0;
   let inGap = false;
@@ -286,7 +286,7 @@ function drawPlane({ series, row, file, there, period, highest, lambda }) {
   byId("gap").hidden = !told.length;
   // By the phase of the fundamental; over time it is Lambda times that, over 1/characteristic frequency.
   const omega = 2 * Math.PI * file.perLambda.Hz;
-  const factor = lambda * (file.lengthUnit === "um" ? 1e-3 * omega : file.lengthUnit ? omega : 1);
+  const factor = lambda * (inMicrometres(file) ? 1e-3 * omega : file.lengthUnit ? omega : 1);
   Plotly.react(
     "plane",
     wave

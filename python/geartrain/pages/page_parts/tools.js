@@ -135,8 +135,10 @@ const acrossTitle = () =>
   main.over
     ? safe(main.over.replace(/_/g, " ")) + (main.overUnit && main.overUnit !== "1" ? `  [${safe(main.overUnit)}]` : "")
     : frequencyTitle();
-const lengthUnit = (file) => (file.lengthUnit === "um" ? "[µm]" : file.lengthUnit ? `[${file.lengthUnit}]` : "/ b<sub>c</sub>");
-const lengthText = (file) => ({ um: " µm", m: " m" })[file.lengthUnit] || " b_c";
+const lengthText = (file) => (file.lengthUnit ? file.lengthUnit.replace("um", "µm") : "b_c");
+const lengthUnit = (file) => (file.lengthUnit ? `[${lengthText(file)}]` : "/ b<sub>c</sub>");
+/** Whether lengths are drawn in a thousandth of mm, and twists of couplings in mrad. */
+const inMicrometres = (file) => /um|mrad/.test(file.lengthUnit);
 const quantityWords = (name) => data.quantities[name].words;
 function quantityTitle(name) {
   const { unit } = data.quantities[name],
