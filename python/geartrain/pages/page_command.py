@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
 from .._core.parser import Parser, exit_status, refuse_other_file
 from ..case import read_results
-from ..errors import plain
+from ..errors import DrawingWarning, plain
 from .page import page
 
 __all__ = ["main"]
@@ -24,9 +25,11 @@ def _page(told: Namespace) -> int:
     output = Path(told.output) if told.output else Path(told.results).with_suffix(".html")
     paths = [told.results, *([told.compare] if told.compare else [])]
     refuse_other_file(output)
-    results = [read_results(path) for path in paths]
     names = ("", "") if told.compare is None else _names(*paths)
-    made = page(results[0], output, compare=results[1] if told.compare else None, names=names)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DrawingWarning)  # the page has them
+        results = [read_results(path) for path in paths]
+        made = page(results[0], output, compare=results[1] if told.compare else None, names=names)
     print(plain(f"Written: {output}, {len(made.html.encode()) / 1e6:.2f} MB, for any browser"))
     if told.show:
         made.show()

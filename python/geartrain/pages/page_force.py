@@ -14,10 +14,10 @@ __all__ = ["force_laws", "force_of", "largest_difference"]
 
 Array = NDArray[np.float64]
 
-#: Samples of a period of the fastest mesh; harmonics of kappa below this, over its mean, are rounding.
-_SAMPLES, _ROUNDING = 256, 1e-9
-#: Most samples of a trial; points of a branch at which forces are compared.
-_MOST, _TRIED = 2**19, 40
+#: Samples of a period of the fastest mesh, as many as it takes; harmonics of kappa below this, over its mean, are rounding.
+_SAMPLES, _ROUNDING = (16, 64, 256), 1e-9
+#: Most samples of a trial, and of one that finds a damping; points of a branch at which forces are compared.
+_MOST, _FEW, _TRIED = 2**19, 2**10, 40
 
 
 def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
@@ -41,26 +41,28 @@ def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
         drive flank.
     """
     half = half_gaps(train)
-    samples = min(_SAMPLES * int(max(train._outline["order"])), _MOST)
-    phase = 2 * np.pi * np.arange(samples)[:, np.newaxis] / samples
-
-    def force(mean: Array, amplitude: Array) -> Array:
-        """At p = mean + amplitude sin(phase), (samples, meshes)."""
-        return _trial(train, frequency, np.stack([mean, 0 * mean, amplitude], axis=1), samples)
+    still, one = np.zeros(len(half)), np.ones(len(half))
+    for fine in _SAMPLES:
+        samples = min(2 ** int(np.ceil(np.log2(fine * max(train._outline["order"])))), _MOST)
+        drive, back = (side * _trial(train, frequency, side * (half + 1), still, samples) for side in (1, -1))
+        if samples == _MOST or _resolved(drive) and _resolved(back):
+            break
+    few = min(samples, _FEW)
+    phase = 2 * np.pi * np.arange(few)[:, np.newaxis] / few
 
     def damping(mean: Array, amplitude: Array, stiffness: Array, origin: Array) -> Array:
         """What is left of the force without its elastic part, over the velocity."""
         elastic = stiffness * (mean + amplitude * np.sin(phase) - origin)
         velocity = frequency * amplitude * np.cos(phase)
-        found: Array = ((force(mean, amplitude) - elastic) * velocity).sum(axis=0) / (velocity**2).sum(axis=0)
+        force = _trial(train, frequency, mean, amplitude, few)
+        found: Array = ((force - elastic) * velocity).sum(axis=0) / (velocity**2).sum(axis=0)
         return found
 
-    still, one = np.zeros(len(half)), np.ones(len(half))
-    drive = force(half + 2, still) - force(half + 1, still)
-    back = force(-half - 1, still) - force(-half - 2, still)
     # Without a gap the drive flank is everywhere.
-    in_gap = np.where(half > 0, half / 2, 1.0), np.where(half > 0, 0.0, drive)
-    dampings = [damping(-half - 2, one, back, -half), damping(still, *in_gap, still), damping(half + 2, one, drive, half)]
+    in_gap = np.where(half > 0, half / 2, 1.0)
+    slopes = back[::samples // few], np.where(half > 0, 0.0, drive[::samples // few]), drive[::samples // few]
+    dampings = [damping(-half - 2, one, slopes[0], -half), damping(still, in_gap, slopes[1], still),
+                damping(half + 2, one, slopes[2], half)]
     return [
         {
             "half": float(half[mesh]),
@@ -133,14 +135,21 @@ def largest_difference(
     return float(worst)
 
 
-def _trial(train: Description, frequency: float, coefficients: Array, samples: int) -> Array:
-    """The program's force at a made-up motion, (samples, meshes)."""
-    nothing = np.zeros(len(coefficients))
+def _trial(train: Description, frequency: float, mean: Array, amplitude: Array, samples: int) -> Array:
+    """The program's force where p = mean + amplitude sin(phase), (samples, meshes)."""
+    nothing = np.zeros(len(mean))
     motion = Motion(
         frequency=frequency, period=1, rms=nothing, mean=nothing, minimum=nothing, maximum=nothing, mesh_force_maximum=nothing,
-        dynamic_factor=nothing, separation_fraction=nothing, back_contact_fraction=nothing, coefficients=coefficients, train=train,
+        dynamic_factor=nothing, separation_fraction=nothing, back_contact_fraction=nothing,
+        coefficients=np.stack([mean, nothing, amplitude], axis=1), train=train,
     )
     return motion._sample(samples)[2]
+
+
+def _resolved(values: Array) -> bool:
+    """Whether the upper half of the spectrum of each column is rounding."""
+    amplitude = np.abs(np.fft.rfft(values, axis=0))
+    return bool((amplitude[len(amplitude) // 2:] <= _ROUNDING * amplitude.max(axis=0)).all())
 
 
 def _harmonics(values: Array) -> list[list[float]]:

@@ -154,7 +154,7 @@ contains
                call self%corrector%correct(here, success)
                if (success .and. h >= smallest_step) cycle
                outcome = stuck
-               reason = 'no fold where Lambda turns, at '//lambda(here%frequency_ratio)
+               reason = 'turned back where no fold is found, at '//lambda(here%frequency_ratio)
                return
             end if
          end if
