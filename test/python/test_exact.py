@@ -43,6 +43,7 @@ def test_onset_of_separation(branch):
     assert onset.mesh == 1 and onset.motion.minimum[0] == pytest.approx(1, abs=1e-9)
     # Figure 3, found by shooting (test/validation_bifurcations.f90).
     paper = paper_train().response(start=1.0, stop=1.2)
+    assert not any(onset.undecided for onset in paper.onsets)
     onset = only(paper.onsets, "separation", 1.1028).exact()
     assert onset.mesh == 2 and onset.frequency == pytest.approx(1.1027590, abs=1e-7)
     assert onset.motion.minimum[1] == pytest.approx(1, abs=1e-9)

@@ -307,6 +307,14 @@ def test_response_of_a_rattling_clutch(tmp_path):
     assert (refined.rms == branch.rms).all() and (refined.correction == 0).all()
 
 
+def test_interpolated_onsets_are_undecided():
+    """Beside dry friction there is no balance to solve for a contact onset: it lies between two points, and says so."""
+    onsets = [onset for friction in (6.0, 0.0) for onset in clutch(friction).response(start=0.3, stop=0.1).onsets]
+    interpolated = [onset for onset in onsets if onset.undecided]
+    assert 0 < len(interpolated) < len(onsets)
+    assert onsets[: len(interpolated)] == interpolated
+
+
 def test_no_friction_is_no_friction():
     motion, other = (replace(clutch(0.0), couplings=[replace(clutch(0.0).couplings[0], friction_torque=value)])
                      .integrate(frequency=0.2) for value in (0.0, None))

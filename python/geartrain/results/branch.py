@@ -332,7 +332,8 @@ class Branch(Curves):
     def onsets(self) -> list[SpecialPoint]:
         """Contact onsets: where a mesh begins or ceases to separate, or its back flanks to touch, as special points.
 
-        They lie on the branch, or on an interpolation of its points with dry friction and where Newton's method fails beside one.
+        They lie on the branch; those on an interpolation of its points are ``undecided``: with dry friction, and where Newton's
+        method fails beside one.
 
         Examples
         --------
@@ -340,11 +341,11 @@ class Branch(Curves):
         [('separation', 2, 0.4617), ('separation', 2, 0.495)]
         """
         with self._box() as box:
-            rows = box.show("onsets")["/onsets"].rows("kind", "mesh", self._free_name, "after_point", "rms")
+            rows = box.show("onsets")["/onsets"].rows("kind", "mesh", self._free_name, "after_point", "rms", "undecided")
         return SpecialPoints((
-            SpecialPoint(kind.strip(), self._lambda(float(value)), int(point) - 1, rms, False, *self._speeds(float(value)),
-                         branch=self, mesh=int(mesh))
-            for kind, mesh, value, point, rms in rows
+            SpecialPoint(kind.strip(), self._lambda(float(value)), int(point) - 1, rms, bool(undecided),
+                         *self._speeds(float(value)), branch=self, mesh=int(mesh))
+            for kind, mesh, value, point, rms, undecided in rows
         ), self.train)
 
     def to_dataset(self) -> Dataset:

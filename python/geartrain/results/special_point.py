@@ -36,7 +36,8 @@ class SpecialPoint:
         Index of the branch's point before it.
     rms : ndarray, (meshes,)
     undecided : bool
-        Whether it rests on undecided points: on one side of it the next points are all undecided.
+        Whether it rests on undecided points: on one side of it the next points are all undecided. Of a contact onset whether it
+        is interpolated between points.
     speed, fundamental_frequency : float or None
         In rpm, where every mesh has teeth; in Hz.
     parameter : float or None

@@ -21,11 +21,14 @@ contains
       type(special_point_type), intent(inout) :: onsets(:)
       !> The fields of the results.
       class(fields_type), intent(inout) :: fields
+      logical, allocatable :: interpolated(:)
       integer :: i, n
 
       if (.not. fields%enter('/onsets', 'contact onsets of a branch', .true.)) return
       n = size(onsets)
       call fields%index_axis('onset', n, 'in the order along the branch')
+      allocate (interpolated(n))
+      if (n > 0) interpolated = branch%contact_edges%interpolated
       call fields%begin_list('onset')
       do i = 1, n
          call fields%visit_item(i)
@@ -34,6 +37,7 @@ contains
          call carry_free(branch, fields, onsets(i)%frequency_ratio)
          call carry(fields, row('after_point', '', '1', 'point of the branch before the onset'), onsets(i)%point)
          call carry(fields, row('rms', 'mesh', '1', about_rms), onsets(i)%rms)
+         call carry(fields, row('undecided', '', '1', '1 = interpolated between points of the branch'), interpolated(i))
       end do
       call fields%end_list()
    end subroutine visit_onsets

@@ -18,6 +18,8 @@ module geartrain_flow_figures
    type :: figures_type
       !> Time that the figures span [1].
       real(dp) :: length = 0
+      !> Whether the flow passed over an event; see `flow_type`.
+      logical :: lost = .false.
       !> Mesh displacements over b_c [1] and forces [N], of couplings [N m], (mesh); rows of the torque paths [N m, N], (row): NaN
       !> where nothing determines a torque.
       type(range_type), allocatable :: displacement(:), force(:), torque(:)
@@ -87,6 +89,7 @@ contains
          end do
       end associate
       self%length = self%length + flow%length
+      self%lost = self%lost .or. flow%lost
 
    contains
 

@@ -218,7 +218,8 @@ contains
       !> Number of harmonics of Lambda in the coefficients, which are those of Lambda/period or Lambda/window; 0:
       !> `stored_harmonics`.
       integer, intent(in) :: wanted
-      !> Given: frequency_ratio, period or window, state, ringing. Set: all figures.
+      !> Given: frequency_ratio, period or window, state, ringing. Set: all figures, and undecided where the flow passed over an
+      !> event.
       type(motion_type), intent(inout) :: motion
       !> Told of the flow over a window; may end it, and there are then no figures.
       class(observer_type), intent(inout), optional :: observer
@@ -249,6 +250,7 @@ contains
       ! Figures of long windows take a second that nobody waits for any more.
       if (motion%window > 0 .and. (ended .or. system%interrupt%raised())) return
       call put_figures(system, figures, motion)
+      motion%undecided = motion%undecided .or. figures%lost
       if (motion%window > 0) then
          call find_uncertainty(system, p, force, torque, motion)
          if (system%interrupt%raised()) return

@@ -240,6 +240,9 @@ contains
       motion%kind = 'still settling'
       settled%steady = settled%steady .and. .not. drifts
       if (settled%steady) motion%kind = 'stationary'
+      ! A flow that passed over an event is a guess from there on.
+      if (motion%undecided) motion%kind = 'undecided'
+      if (motion%undecided) return
       ! While all teeth stay in contact the equations are linear, and neighbouring flows approach one another as the flow settles.
       if (regular) return
       call find_growth(system, motion, observer, stopped)

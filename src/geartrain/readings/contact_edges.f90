@@ -127,14 +127,16 @@ contains
             edge%stage = stage
             same = edge_alike(j)
             if (same > 0) then
+               edge%interpolated = edges(same)%interpolated
                edge%frequency_ratio = edges(same)%frequency_ratio
                edge%rms = edges(same)%rms
             else if (shot) then
                ! Without a balance to solve, on the chord between the points.
+               edge%interpolated = .true.
                edge%frequency_ratio = at(1) + share*(at(2) - at(1))
                edge%rms = rms(:, 1) + share*(rms(:, 2) - rms(:, 1))
             else
-               call locate(j, back, first, last, edge%frequency_ratio)
+               call locate(j, back, first, last, edge%frequency_ratio, edge%interpolated)
                edge%rms = rms_of(tracer%corrector, solution)
             end if
          end associate
@@ -193,12 +195,14 @@ contains
 
       !> Lambda at which the depth of mesh j is zero: found on the polynomial, then on the branch by solving the balance; on
       !> the polynomial where the balance has no solution nearby.
-      subroutine locate(j, back, first, last, frequency_ratio)
+      subroutine locate(j, back, first, last, frequency_ratio, interpolated)
          integer, intent(in) :: j
          logical, intent(in) :: back
          !> Depths at the two ends of the piece, of different signs.
          real(dp), intent(in) :: first, last
          real(dp), intent(out) :: frequency_ratio
+         !> Whether it lies on the polynomial.
+         logical, intent(out) :: interpolated
          type(solution_point_type) :: guess
          real(dp) :: a, b, fa, fb, f, s, slope, way, root
          integer :: kept, step
@@ -209,6 +213,7 @@ contains
          fa = first
          fb = last
          kept = 0
+         interpolated = .false.
          do step = 1, most_steps
             s = between(a, b, fa, fb)
             call go_along(piece, s, solution)
@@ -240,6 +245,7 @@ contains
             solution%u = solution%u + guess%u
             solution%frequency_ratio = solution%frequency_ratio + guess%frequency_ratio
          end do
+         interpolated = .true.
          call go_along(piece, root, solution)
          frequency_ratio = solution%frequency_ratio
       end subroutine locate

@@ -51,6 +51,8 @@ module geartrain_trace_branch
       integer :: mesh = 0
       !> .true.: edge of a range of back collision; .false.: of separation.
       logical :: back = .false.
+      !> Whether it was interpolated between solutions, and is no solution.
+      logical :: interpolated = .false.
       !> Number of the stage of a coupling that is reached or left there; `no_stage`: none.
       integer :: stage = no_stage
       !> Lambda [1]; rms over characteristic length [1], (mesh).
