@@ -45,7 +45,7 @@ def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
     for fine in _SAMPLES:
         samples = min(2 ** int(np.ceil(np.log2(fine * max(train._outline["order"])))), _MOST)
         drive, back = (side * _trial(train, frequency, side * (half + 1), still, samples) for side in (1, -1))
-        if samples == _MOST or _resolved(drive) and _resolved(back):
+        if samples == _MOST or (_resolved(drive) and _resolved(back)):
             break
     few = min(samples, _FEW)
     phase = 2 * np.pi * np.arange(few)[:, np.newaxis] / few
