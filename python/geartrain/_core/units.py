@@ -84,7 +84,7 @@ def length_unit(train: Description | None) -> str:
 
 def both_units(train: Description, mesh: str, coupling: str) -> str:
     """The unit of meshes and that of couplings in brackets, where there are any."""
-    there = (len(train.couplings) < len(train.mesh_elements), bool(train.couplings))
+    there = (len(train.couplings) < max(1, len(train.mesh_elements)), bool(train.couplings))
     return f"[{', '.join(unit for unit, one in zip((mesh, coupling), there) if one)}]"
 
 

@@ -73,7 +73,7 @@ contains
       type(length_text_type) :: lengths
       character(:), allocatable :: line, swing, force
       character(group_length + 12) :: words(branch%meshes)
-      integer :: mesh, i, widths(4)
+      integer :: mesh, i, name_width, widths(4)
 
       lengths = length_text(train)
       swing = trim('peak to peak '//lengths%unit)
@@ -83,12 +83,13 @@ contains
       line = in_width('peak at '//told%unit, widths(1))//in_width(lengths%name, widths(2))
       line = line//in_width(swing, widths(3))//in_width(force, widths(4))
       words = [(mesh_word(train%meshes, i), i=1, branch%meshes)]
-      call sheet%add(in_details, 'mesh'//repeat(' ', maxval(len_trim(words)) - len('mesh'))//line)
+      name_width = maxval([len('mesh'), len_trim(words)])  ! a train of shafts alone has no mesh
+      call sheet%add(in_details, 'mesh'//repeat(' ', name_width - len('mesh'))//line)
       do mesh = 1, branch%meshes
          found = peaks(branch, mesh)
          do i = 1, size(found)
             associate (peak => found(i))
-               line = words(mesh)(:maxval(len_trim(words)))//in_width(told%number(peak%frequency_ratio), widths(1))// &
+               line = words(mesh)(:name_width)//in_width(told%number(peak%frequency_ratio), widths(1))// &
                       in_width(lengths%rms(peak%rms), widths(2))//in_width(significant(lengths%per_length* &
                       (branch%maximum(mesh, peak%point) - branch%minimum(mesh, peak%point))), widths(3))// &
                       in_width(significant(branch%mesh_load(mesh, peak%point)%force_maximum), widths(4))

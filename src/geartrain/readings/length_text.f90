@@ -33,7 +33,7 @@ contains
       if (.not. lengths%drawn) return
       lengths%unit = '[um]'
       if (any(train%meshes%is_coupling)) lengths%unit = '[um, mrad]'
-      if (all(train%meshes%is_coupling)) lengths%unit = '[mrad]'
+      if (any(train%meshes%is_coupling) .and. all(train%meshes%is_coupling)) lengths%unit = '[mrad]'
       lengths%name = 'true rms '//lengths%unit
       lengths%per_length = plain%characteristic_length/1e-6_dp
       ! The paper sums squared amplitudes; a true mean square is half of the sum.
