@@ -1,4 +1,4 @@
-"""Motions with dry friction that settle by time, as those of hunting teeth and of windows do."""
+"""Motions with dry friction that settle for a number of time constants: windows, and trains with hunting teeth."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ import geartrain as gt
 
 @pytest.mark.parametrize(("friction", "frequency"), [(6.0, 0.2), (6.0, 0.54), (0.5, 0.2)])
 def test_window(friction, frequency):
-    """A periodic motion that settles by time: what is told to be left of free vibrations is no less than what is."""
+    """A periodic motion: its window has the rms and maximum of the exact orbit, to the ringing that the result reports."""
     train = clutch(friction)
     whole, window = train.integrate(frequency=frequency), train.integrate(frequency=frequency, window=20)
     assert whole.kind == "periodic" and window.kind == "stationary"

@@ -83,7 +83,7 @@ def length_unit(train: Description | None) -> str:
 
 
 def both_units(train: Description, mesh: str, coupling: str) -> str:
-    """The unit of meshes and that of couplings in brackets, where there are any."""
+    """The units of meshes and of couplings in brackets: ``[um, mrad]``, or one of them where the train has one kind alone."""
     there = (len(train.couplings) < max(1, len(train.mesh_elements)), bool(train.couplings))
     return f"[{', '.join(unit for unit, one in zip((mesh, coupling), there) if one)}]"
 

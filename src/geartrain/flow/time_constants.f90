@@ -2,9 +2,9 @@
 !>
 !> A free vibration of the mean system falls to a ten-thousandth of its size in 9 of its time constants. Where all do in a moderate
 !> time, the flow is followed for that time. Slower ones, as of a rotor against a generator on soft shafts, whose damping is a
-!> thousandth, are taken out of the state (geartrain_flow_slow_modes) at four instants on the way. What was left of them at the last
-!> one is told beside the figures. Modes have no dry friction: there a second flow begins beside the first, and the share of the
-!> distance that remains is what is left.
+!> thousandth, are taken out of the state (geartrain_flow_slow_modes) at four instants on the way. The result has
+!> their amplitude at the last instant beside its figures. Modes have no dry friction. A second flow then begins beside the first,
+!> and the share of their distance that remains takes the place of the amplitude.
 !>
 !> Settling begins before phase 0, so that it ends there. The figures are then those of a window from phase 0 on
 !> (geartrain_flow_window), with what a longer window would change (geartrain_flow_uncertainty). In the time of settling all meshes
