@@ -7,6 +7,7 @@ module unit_flow
    use geartrain_floquet_time_reversal, only: time_reversal_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: propagate
+   use geartrain_flow_wall_event, only: first_wall
    use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
@@ -19,6 +20,7 @@ contains
       class(tests_type), intent(inout) :: tests
 
       if (tests%runs('bouncing')) call bouncing(tests)
+      if (tests%runs('on_the_wall')) call on_the_wall(tests)
       if (tests%runs('tangents')) call tangents(tests)
       if (tests%runs('interrupted')) call interrupted(tests)
       if (tests%runs('along_contacts')) call along_contacts(tests)
@@ -51,6 +53,50 @@ contains
       call tests%is_close(flow%x(1, 2), 0.0_dp, 2e-13_dp, 'at rest')
       call tests%is_true(flow%events == 2, 'two events')
    end subroutine bouncing
+
+   !> A mesh that lies on its wall to rounding, with a velocity of rounding, leaves by the first term that is more: into its region
+   !> without an event, though it may come back, or across the wall at once. One that stays there has none.
+   subroutine on_the_wall(tests)
+      class(tests_type), intent(inout) :: tests
+      type(system_type), target :: system
+      real(dp), parameter :: tiny_ = 2e-16_dp
+      integer, parameter :: order = 6
+      real(dp) :: p(1, 1, 0:order), h
+      integer :: contact, last, place, speed, mesh, wall
+      logical :: found
+
+      call build_system(single_pair(0.0_dp, 0.0_dp, 0.4_dp), system)
+      do contact = 0, 1
+         do last = 0, 1
+            do place = -1, 1
+               do speed = -1, 1
+                  p = 0
+                  p(1, 1, :1) = [1 + place*tiny_, speed*tiny_]
+                  call look()
+                  call tests%is_true(.not. found, 'at rest on the wall')
+                  p(1, 1, 3) = merge(0.1_dp, -0.1_dp, contact == 1)
+                  call look()
+                  call tests%is_true(.not. found, 'away from the wall')
+                  p(1, 1, 4) = -p(1, 1, 3)/0.5_dp
+                  call look()
+                  call tests%is_true(found, 'comes back')
+                  call tests%is_close(h, 0.5_dp, 1e-12_dp, 'where it comes back')
+                  p(1, 1, 3:) = -p(1, 1, 3:)
+                  call look()
+                  call tests%is_true(found .and. h <= 0, 'across the wall at once')
+               end do
+            end do
+         end do
+      end do
+
+   contains
+
+      subroutine look()
+         h = 1
+         call first_wall(system, [contact], p, last, 0, h, found, mesh, wall)
+      end subroutine look
+
+   end subroutine on_the_wall
 
    !> The monodromy matrix through contact events against differences of the flow itself.
    subroutine tangents(tests)

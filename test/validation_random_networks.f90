@@ -24,6 +24,7 @@ contains
       if (tests%runs('damping_to_ground')) call dragged_networks(tests)
       if (tests%runs('run_ups')) call run_ups(tests)
       if (tests%runs('accelerated')) call accelerated(tests)
+      if (tests%runs('from_walls')) call from_walls(tests)
    end subroutine random_networks_tests
 
    !> Random trees and loops of up to 12 meshes: their settled motions close in the other code over a period, with the rms and
@@ -72,6 +73,53 @@ contains
       call one_run_up(tests, 6, 0, 3, dragged=0, laws=.false., linear=.false., to=1.6_dp, toothed=.true.)
       call one_run_up(tests, 8, 2, 4, dragged=1, laws=.true., linear=.false., to=0.3_dp, toothed=.true.)
    end subroutine accelerated
+
+   !> Idle meshes rest on their walls, and leave them together without any velocity at first: rounding puts each on either side of
+   !> its wall and gives it any small velocity. The motions differ by no more than that, and no contact event is passed over.
+   subroutine from_walls(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: trials = 12
+      real(dp), parameter :: from = 0.8_dp, to = 1.6_dp
+      type(train_type) :: train
+      type(system_type) :: system
+      type(run_up_type) :: found, first
+      type(error_type), allocatable :: error
+      type(motion_type) :: start
+      real(dp), allocatable :: rest(:), noise(:)
+      real(dp) :: duration, scale, worst
+      integer :: j, trial, on_walls, lost
+
+      call random_network(8, 2, 4 + 1000*tests%seed, train)
+      call draw_laws(4 + 1000*tests%seed, train)
+      train%bodies(8)%damping_to_ground = 0.3_dp
+      call build_system(train, system)
+      duration = 2*2*pi/(0.5_dp*(from + to)*train%characteristic_frequency)
+      rest = resting_state(system)
+      scale = maxval(abs(rest))
+      on_walls = count(abs(rest(pack(system%mesh_element, system%mesh_element <= system%displacements)) - &
+                           pack(system%half_backlash, system%mesh_element <= system%displacements)) < 1e-12_dp*scale)
+      call tests%is_true(on_walls > 1, 'meshes rest on their walls')
+      worst = 0
+      lost = 0
+      do trial = 1, trials
+         start%state = rest
+         start%state(system%states) = start%state(system%states) + scale
+         if (trial > 1) then
+            ! Of either sign, from two units in the last place down; in every second trial of velocities alone.
+            noise = [(real(mod(7919*(j + 37*trial), 5) - 2, dp), j=1, size(rest))]
+            if (mod(trial, 2) == 0) noise(:system%displacements) = 0
+            start%state = start%state + noise*epsilon(scale)/2*scale/10.0_dp**mod(trial, 6)
+         end if
+         call run_up(train, run_up_settings_type(from, to, duration=duration, samples=64, max_periods=0), found, error, start)
+         call tests%is_true(.not. allocated(error), 'it runs')
+         if (allocated(error)) return
+         if (index(found%ended%text, 'guess') > 0) lost = lost + 1
+         if (trial == 1) first = found
+         worst = max(worst, maxval(abs(found%displacement - first%displacement))/maxval(abs(first%displacement)))
+      end do
+      call tests%is_true(lost == 0, 'no contact event is passed over')
+      call tests%is_close(worst, 0.0_dp, 1e-9_dp, 'the same motion from either side of the walls')
+   end subroutine from_walls
 
    !> Displacements, mesh forces and shaft torques at every sample as the other code has them, extremes of the windows.
    subroutine one_run_up(tests, bodies, loops, seed, dragged, laws, linear, to, toothed)

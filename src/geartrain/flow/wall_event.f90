@@ -27,8 +27,8 @@ contains
       logical, intent(out) :: found
       !> Its mesh and wall.
       integer, intent(out) :: mesh, wall
-      real(dp) :: f(0:ubound(p, 3)), root, span
-      integer :: j, n, w
+      real(dp) :: f(0:ubound(p, 3)), root, span, smallest
+      integer :: j, k, n, w
       logical :: hit
 
       found = .false.
@@ -43,12 +43,16 @@ contains
             f = p(1, n, :)
             f(0) = f(0) - system%law(j)%wall(w)
             if (w == contact(j)) f = -f
-            if (j == last_mesh .and. w == last_wall) then
-               ! The mesh has just left this wall: divide by the known root 0.
-               f = eoshift(f, 1)
-            else if (f(1) > 0 .and. f(0) > -rounding*(span + abs(system%law(j)%wall(w)))) then
-               ! Left at the very instant of the event before, as equal stages do: rounding puts the mesh on either side.
-               f(0) = max(f(0), 0.0_dp)
+            smallest = rounding*(span + abs(system%law(j)%wall(w)))
+            if ((j == last_mesh .and. w == last_wall) .or. abs(f(0)) <= smallest) then
+               k = leading_term(f, h, smallest)
+               if (k == 0) cycle
+               ! The mesh moves away from the wall: divide by the known root 0. Else it crosses the wall at once.
+               if (f(k) > 0) then
+                  f = eoshift(f, k)
+               else
+                  f(0) = -smallest
+               end if
             end if
             call first_root(f, h, root, hit)
             if (.not. hit) cycle
@@ -59,5 +63,20 @@ contains
          end do
       end do
    end subroutine first_wall
+
+   !> First power of a series whose term is more than rounding within a step; 0: there is none. Meshes that lie on their walls at
+   !> rest, or meet them at one instant, leave by it: rounding puts them on either side, and may give them any velocity.
+   pure integer function leading_term(f, h, smallest) result(k)
+      !> Coefficients of the powers, (0:degree); length of the step; largest rounding.
+      real(dp), intent(in) :: f(0:), h, smallest
+      real(dp) :: power
+
+      power = 1
+      do k = 1, ubound(f, 1)
+         power = power*h
+         if (abs(f(k))*power > smallest) return
+      end do
+      k = 0
+   end function leading_term
 
 end module geartrain_flow_wall_event
