@@ -14,8 +14,9 @@ module geartrain_readings_length_text
       real(dp) :: per_rms = 1, per_length = 1
       !> Whether the train has a unit of length.
       logical :: drawn = .false.
-      !> Name of an rms, with the unit in brackets; the unit in brackets, '' without a unit of length.
-      character(20) :: name = 'rms of the paper', unit = ''
+      !> The unit in brackets, blank without a unit of length; name of an rms, with the unit.
+      character(11) :: unit = ''
+      character(20) :: name = 'rms of the paper'
    contains
       procedure :: rms
    end type length_text_type
