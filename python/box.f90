@@ -19,6 +19,7 @@ module geartrain_python_box
    use geartrain_exact_exact_fields, only: visit_exact_point, visit_onsets
    use geartrain_readings_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
    use geartrain_flow_motion_fields, only: visit_motions
+   use geartrain_flow_simulator, only: simulator_type
    use geartrain_input_check_case, only: check_analyses
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_report_drawing_warnings, only: warnings_text
@@ -49,6 +50,8 @@ module geartrain_python_box
       type(audit_type), allocatable :: audit
       !> The special point that was made exact last.
       type(exact_point_type) :: exact
+      !> The train under torques from outside.
+      type(simulator_type), allocatable :: simulator
       !> What was differentiated last.
       type(gradient_type) :: gradient
       !> Fields on their way: shown by the box, or put into it.

@@ -33,6 +33,7 @@ module geartrain
    use geartrain_flow_integration_settings, only: integration_settings_type
    use geartrain_flow_ramped_flow, only: run_up_type
    use geartrain_flow_shooting, only: refine
+   use geartrain_flow_simulator, only: simulator_type
    use geartrain_flow_waveform, only: waveform
    use geartrain_input_reader, only: read_case, read_case_text
    use geartrain_input_template, only: template_text

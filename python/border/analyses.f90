@@ -209,6 +209,72 @@ subroutine sample_waveform(handle, periods, samples, meshes, shafts, progress, t
    end if
 end subroutine sample_waveform
 
+! Puts the box's train under torques from outside, at a Lambda, at rest or with the box's first motion; its mean torques [N m], and
+! numbers of meshes, shafts, held bodies, and of states.
+subroutine begin_simulator(handle, frequency, bodies, torque, sizes, status)
+   use geartrain, only: error_type
+   use geartrain_python_box, only: box_type, box_of, check_memory, close_with
+   implicit none
+   integer(8), intent(in) :: handle
+   double precision, intent(in) :: frequency
+   integer, intent(in) :: bodies
+   double precision, intent(out) :: torque(bodies)
+   integer, intent(out) :: sizes(4), status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+
+   box => box_of(handle)
+   torque = 0
+   sizes = 0
+   call check_memory(error)
+   status = close_with(box, error)
+   if (status /= 0) return
+   if (allocated(box%simulator)) deallocate (box%simulator)
+   allocate (box%simulator)
+   if (allocated(box%motions)) then
+      call box%simulator%begin(box%case%train, frequency, error, box%motions(1))
+   else
+      call box%simulator%begin(box%case%train, frequency, error)
+   end if
+   status = close_with(box, error)
+   if (status /= 0) return
+   associate (system => box%simulator%system, paths => box%simulator%system%torque_paths)
+      torque = box%simulator%torque
+      sizes = [system%meshes, paths%shafts, paths%held, system%states]
+   end associate
+end subroutine begin_simulator
+
+! Lets the box's train go on under torques [N m] for a duration [s]; then its time [s], Lambda and phase, speeds of the bodies
+! [rad/s], displacements and forces of the meshes, torques of shafts and of what holds bodies, state.
+subroutine advance_simulator(handle, torque, bodies, duration, progress, meshes, rows, states, now, speed, displacement, force, &
+                             shaft_torque, state, status)
+   use geartrain, only: error_type
+   use geartrain_python_box, only: box_type, box_of, close_with
+   use geartrain_python_work, only: begin_watch, watch_type
+   implicit none
+   integer(8), intent(in) :: handle
+   integer, intent(in) :: bodies, meshes, rows, states
+   double precision, intent(in) :: torque(bodies), duration
+   double precision, intent(inout), target :: progress(404)
+   double precision, intent(out) :: now(3), speed(bodies), displacement(meshes), force(meshes), shaft_torque(rows), state(states)
+   integer, intent(out) :: status
+   type(box_type), pointer :: box
+   type(error_type), allocatable :: error
+   type(watch_type) :: watch
+   !f2py threadsafe
+
+   box => box_of(handle)
+   call begin_watch(watch, box, progress)
+   associate (simulator => box%simulator)
+      simulator%system%interrupt = box%case%train%interrupt
+      call simulator%advance(torque, duration, error)
+      now = [simulator%time, simulator%frequency_ratio, simulator%phase]
+      state = simulator%state()
+      if (.not. allocated(error)) call simulator%look(speed, displacement, force, shaft_torque)
+   end associate
+   status = close_with(box, error)
+end subroutine advance_simulator
+
 ! Everything that the case asks for; `path` is where the results go, '' nowhere; `checkpoint` the file to go on from, '' none.
 subroutine run_all(handle, path, checkpoint, progress, status)
    use geartrain, only: error_type, run_case

@@ -54,6 +54,7 @@ from .results.modes import Modes
 from .results.motion import Motion
 from .results.motions import Motions
 from .results.run_up import RunUp
+from .results.simulator import Simulator
 from .results.special_point import SpecialPoint
 from .results.stability_map import StabilityMap
 from .results.state_space import StateSpace
@@ -101,6 +102,7 @@ __all__ = [
     "Results",
     "RunUp",
     "Shaft",
+    "Simulator",
     "SolverError",
     "Space",
     "SpecialPoint",

@@ -22,6 +22,7 @@ from ..results.lyapunov import LyapunovSpectrum
 from ..results.motion import Motion
 from ..results.motion_table import motions_of
 from ..results.run_up import RunUp
+from ..results.simulator import Simulator
 from ..results.sweep import Sweep
 from ..variables import (
     VARIABLES,
@@ -152,6 +153,37 @@ class InTime(Analysable):
         array([ 7000., 25000.])
         """
         return self._found("run_up", settings, lambda box: RunUp._from(box, self), start=(seed, "seed"), unit="periods")
+
+    def simulator(
+        self, frequency: float | None = None, *, start: Motion | ArrayLike | None = None, unit: Unit = "Lambda"
+    ) -> Simulator:
+        """The train under torques from outside, step by step: as a part of a larger simulation.
+
+        Parameters
+        ----------
+        frequency : float
+            Lambda of the mean rotation at the beginning, or in ``unit``; that of a motion to start with unless told.
+        start : Motion or array_like, optional
+            Motion or state to begin with, as of `integrate`; at rest under the mean torques unless told.
+        unit : {'Lambda', 'rpm', 'Hz'}
+
+        Returns
+        -------
+        Simulator
+
+        Raises
+        ------
+        InputError
+            Where the train has no bodies, not every mesh has teeth, it has more or less than one rigid motion, or a torque that
+            follows the speed.
+
+        Examples
+        --------
+        >>> reducer = gt.read_case("namelists/reducer.nml").train
+        >>> reducer.simulator(1500.0, unit="rpm").advance(0.01)
+        <Simulator at 0.01 s, 1500 rpm>
+        """
+        return Simulator(self, frequency, start=start, unit=unit)
 
     @takes(VARIABLES["attractors"], AttractorsKeywords)
     def attractors(

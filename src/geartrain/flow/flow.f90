@@ -26,8 +26,10 @@ module geartrain_flow_flow
    type :: flow_type
       !> The train.
       type(system_type), pointer :: system => null()
-      !> Lambda at time 0 [1]; its rate of change [1], 0 at constant speed.
-      real(dp) :: frequency_ratio = 1, acceleration = 0
+      !> Phase of the fundamental [1] and Lambda [1] at time 0; its rate of change [1], 0 at constant speed.
+      real(dp) :: phase = 0, frequency_ratio = 1, acceleration = 0
+      !> Constant torques besides those of the train over b_c [N m/m], (torque); not allocated: none.
+      real(dp), allocatable :: push(:)
       !> Number of columns of `x`: the state, then tangents to the flow.
       integer :: columns = 1
       !> Time times characteristic frequency [1]; state and tangents [1], (column, state).
@@ -298,7 +300,7 @@ contains
       complex(dp), intent(in) :: amplitude(:)
       real(dp), intent(inout) :: coefficient(0:)
 
-      call add_waves(harmonic, amplitude, self%frequency_ratio, self%acceleration, self%time, coefficient)
+      call add_waves(harmonic, amplitude, self%phase, self%frequency_ratio, self%acceleration, self%time, coefficient)
    end subroutine add_series
 
    !> Computes the Taylor coefficients of the displacements of the elements that close loops, where the coordinates are 0,
@@ -367,8 +369,9 @@ contains
       self%excitation = 0
       associate (system => self%system)
          do j = 1, size(system%torque)
-            if (size(system%torque(j)%amplitude) == 0) cycle
+            if (size(system%torque(j)%amplitude) == 0 .and. .not. allocated(self%push)) cycle
             torque = 0
+            if (allocated(self%push)) torque(0) = self%push(j)
             call add_series(self, system%torque(j)%harmonic, system%torque(j)%amplitude, torque)
             do n = 1, system%elements
                self%excitation(:, n) = self%excitation(:, n) + system%torque_gain(n, j)*torque

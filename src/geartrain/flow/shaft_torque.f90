@@ -51,8 +51,10 @@ contains
             end do
             do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
                wave = 0
+               if (allocated(flow%push)) wave(0) = flow%push(paths%torque(i))
                associate (series => system%torque(paths%torque(i)))
-                  call add_waves(series%harmonic, series%amplitude, flow%frequency_ratio, flow%acceleration, begun, wave)
+                  call add_waves(series%harmonic, series%amplitude, flow%phase, flow%frequency_ratio, flow%acceleration, &
+                                 begun, wave)
                end associate
                torque(:, s) = torque(:, s) + paths%torque_gain(i)*length*wave
             end do

@@ -171,14 +171,15 @@ contains
    end subroutine sum_series
 
    !> Adds the Taylor coefficients at `time` of the sum over the harmonics h of Re(amplitude exp(i h phi)) with the phase
-   !> phi = frequency_ratio t + acceleration t**2/2. The recurrence follows from y' = i h (frequency_ratio + acceleration t) y.
-   pure subroutine add_waves(harmonic, amplitude, frequency_ratio, acceleration, time, coefficient)
+   !> phi = phase + frequency_ratio t + acceleration t**2/2. The recurrence follows from
+   !> y' = i h (frequency_ratio + acceleration t) y.
+   pure subroutine add_waves(harmonic, amplitude, phase, frequency_ratio, acceleration, time, coefficient)
       !> Harmonics of Lambda, (harmonic).
       integer, intent(in) :: harmonic(:)
       !> Their complex amplitudes, (harmonic).
       complex(dp), intent(in) :: amplitude(:)
-      !> Lambda at time 0 [1] and its rate of change [1]; time of the expansion [1].
-      real(dp), intent(in) :: frequency_ratio, acceleration, time
+      !> Phase [1] and Lambda [1] at time 0, and its rate of change [1]; time of the expansion [1].
+      real(dp), intent(in) :: phase, frequency_ratio, acceleration, time
       !> Taylor coefficients, (0:order).
       real(dp), intent(inout) :: coefficient(0:)
       complex(dp) :: term, before, next
@@ -187,7 +188,7 @@ contains
 
       do i = 1, size(harmonic)
          h = harmonic(i)
-         term = amplitude(i)*exp(cmplx(0, h*(frequency_ratio + acceleration/2*time)*time, dp))
+         term = amplitude(i)*exp(cmplx(0, h*(phase + (frequency_ratio + acceleration/2*time)*time), dp))
          rate = h*(frequency_ratio + acceleration*time)
          coefficient(0) = coefficient(0) + term%re
          if (abs(acceleration) > 0) then
