@@ -44,7 +44,7 @@ def by_scipy(train, speed, pieces, drag):
     y = np.array([0.0, speed, 60.0 / STIFFNESS, 0.0, 0.0, 0.0, 0.0, 0.0])
     y[4] = -(GAP + static / MESH - 3e-6) / RADIUS[1]
     start = train.simulator(speed * 30 / np.pi, unit="rpm")
-    # At rest the stretch is that of the mean force, and no element moves: bodies follow the error of the mesh.
+    # The mesh is stretched by its mean force; its speed is 0, so that the bodies make up for the transmission error.
     y[4] = (RADIUS[0] * y[3] + 3e-6 - start.displacement[0] * 1e-4) / RADIUS[1]
     y[5:8] = start.body_speed - speed * turns
     for duration, torque in pieces:

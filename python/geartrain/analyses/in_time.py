@@ -162,7 +162,7 @@ class InTime(Analysable):
         Parameters
         ----------
         frequency : float
-            Lambda of the mean rotation at the beginning, or in ``unit``; that of a motion to start with unless told.
+            Lambda of the mean rotation at the beginning, or in ``unit``. May be left out where ``start`` is a motion.
         start : Motion or array_like, optional
             Motion or state to begin with, as of `integrate`; at rest under the mean torques unless told.
         unit : {'Lambda', 'rpm', 'Hz'}

@@ -40,7 +40,7 @@ class Simulator:
     frequency : float
         Lambda of the mean rotation.
     speed : float
-        Of the body that tells the speed, without its vibration [rpm].
+        Mean speed of the body ``Train.speed_name``, without vibration [rpm].
     body_speed : ndarray, (bodies,)
         With vibration, positive as the body turns [rad/s], in the order of ``Train.body_labels``.
     displacement : ndarray, (meshes,)
@@ -150,10 +150,10 @@ class Simulator:
         return self._box.handle, torque, duration, progress, meshes, shafts + held, states
 
     def _take(self, found: tuple[Any, ...]) -> Self:
-        now, self.body_speed, self.displacement, self.mesh_force, torque, self.state, status = found
+        self._box.check(found[-1])
+        now, self.body_speed, self.displacement, self.mesh_force, torque, self.state, _ = found
         self.time, self.frequency, self.phase = map(float, now)
         self.shaft_torque, self.reaction_torque = np.split(torque, [self._sizes[1]])[:2]
-        self._box.check(status)
         return self
 
     @property

@@ -28,7 +28,7 @@ module geartrain_flow_flow
       type(system_type), pointer :: system => null()
       !> Phase of the fundamental [1] and Lambda [1] at time 0; its rate of change [1], 0 at constant speed.
       real(dp) :: phase = 0, frequency_ratio = 1, acceleration = 0
-      !> Constant torques besides those of the train over b_c [N m/m], (torque); not allocated: none.
+      !> Constant torques over b_c that add to the torques of the train [N m/m], (torque); not allocated: none.
       real(dp), allocatable :: push(:)
       !> Number of columns of `x`: the state, then tangents to the flow.
       integer :: columns = 1
