@@ -10,7 +10,7 @@ __all__ = ["OPTIONAL", "cure", "extra", "missing"]
 #: The optional dependencies of pyproject.toml that bring them.
 OPTIONAL = {"matplotlib": "plot", "plotly": "page", "tqdm": "progress", "h5py": "data", "xarray": "data", "pandas": "data",
             "scipy": "study", "rainflow": "measure", "pyuff": "measure", "asammdf": "measure",
-            "openpyxl": "table"}
+            "openpyxl": "table", "pythonfmu": "fmu"}
 
 
 def extra(module: str) -> Any:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from numbers import Integral
+from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +16,7 @@ from .._core.units import Unit, lambda_of
 from .._core.variable import takes
 from .._core.watch import watched
 from ..errors import InputError, SolverError, shown
+from ..files.fmu import write_unit
 from ..results.attractors import Attractors
 from ..results.basins import Basins
 from ..results.bifurcation_diagram import BifurcationDiagram
@@ -184,6 +187,45 @@ class InTime(Analysable):
         <Simulator at 0.01 s, 1500 rpm>
         """
         return Simulator(self, frequency, start=start, unit=unit)
+
+    def write_fmu(
+        self, path: str | PathLike[str], frequency: float | None = None, *, start: Motion | ArrayLike | None = None,
+        unit: Unit = "Lambda", inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None
+    ) -> Path:
+        """Write a functional mock-up unit of `simulator` (FMI 2.0, co-simulation), for programs that simulate whole machines.
+
+        The torques of the inputs are constant over a communication step. Parameter ``initial_speed`` [rpm]; inputs
+        ``motor.torque`` [N m]; outputs ``speed`` [rpm], ``mesh_1.force`` [N], ``shaft_1.torque`` [N m], ``load.speed`` [rad/s].
+        It runs where Python has geartrain, with the same Python. Needs pythonfmu.
+
+        Parameters
+        ----------
+        path : str or path
+            Ends in ``.fmu``.
+        frequency, start, unit
+            As of `simulator`.
+        inputs : sequence of str, optional
+            Names of bodies; unless told all with a mean torque.
+        outputs : sequence of str, optional
+            Of `Simulator.names`; all unless told.
+
+        Returns
+        -------
+        Path
+            Of the unit.
+
+        Raises
+        ------
+        InputError
+            As of `simulator`, and where a name is unknown.
+        OSError
+            Where it cannot be written.
+
+        Examples
+        --------
+        >>> unit = reducer.write_fmu("reducer.fmu", 1500.0, unit="rpm", inputs=["motor"], outputs=["mesh 1"])  # doctest: +SKIP
+        """
+        return write_unit(self.simulator(frequency, start=start, unit=unit), path, start is not None, inputs, outputs)
 
     @takes(VARIABLES["attractors"], AttractorsKeywords)
     def attractors(
