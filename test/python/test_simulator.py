@@ -1,5 +1,7 @@
 """A train under torques from outside: against run-ups, and against SciPy with angles of the bodies themselves."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -55,16 +57,16 @@ def by_scipy(train, speed, pieces, drag):
     return y[1], y[1] * turns + y[5:8], force(y[0], y[1], y[2:5], y[5:8])
 
 
-@pytest.mark.parametrize("drag", [0.0, 0.4])
-def test_torques_out_of_balance_against_scipy(drag):
+@pytest.mark.parametrize("drag, begin", [(0.0, 300.0), (0.4, 300.0), (0.0, 0.0)])
+def test_torques_out_of_balance_against_scipy(drag, begin):
     train = pair(drag)
-    simulator = train.simulator(300.0 * 30 / np.pi, unit="rpm")
+    simulator = train.simulator(begin * 30 / np.pi, unit="rpm")
     load = simulator.torque["wheel"]
     assert load == pytest.approx(-180.0, rel=1e-12)
     pieces = [(0.004, (90.0, 0.0, load)), (0.003, (-40.0, 0.0, load)), (0.005, (60.0, 5.0, -100.0)), (0.004, (0.0, 0.0, 0.0))]
     for duration, torque in pieces:
         simulator.advance(duration, dict(zip(train.body_labels, torque)))
-    speed, bodies, force = by_scipy(train, 300.0, pieces, drag)
+    speed, bodies, force = by_scipy(train, begin, pieces, drag)
     # Both to 1e-11 a step; SciPy does not meet the walls exactly, which leaves some 1e-8.
     assert simulator.speed * np.pi / 30 == pytest.approx(speed, rel=1e-9)
     np.testing.assert_allclose(simulator.body_speed, bodies, rtol=1e-7)
@@ -92,9 +94,19 @@ def test_constant_acceleration_is_a_run_up():
         np.testing.assert_allclose(simulator.shaft_torque, run_up.shaft_torque[-1], rtol=1e-9)
 
 
-def test_a_steady_motion_stays():
-    train = gt.read_case("namelists/reducer.nml").train
-    motion = train.integrate(1500.0, unit="rpm")
+def rubbing():
+    """The pair with a clutch that sticks and slips in place of its shaft, driven by an engine's second order."""
+    clutch = gt.Coupling(between=["motor", "pinion"], stiffness=STIFFNESS, damping=0.5, friction_torque=12.0)
+    train = pair()
+    motor = replace(train.bodies[0], torque_cos=None, revolution_torque_cos=[0.0, 45.0])
+    return replace(train, shafts=[], couplings=[clutch], bodies=[motor, *train.bodies[1:]])
+
+
+@pytest.mark.parametrize("make, speed", [(lambda: gt.read_case("namelists/reducer.nml").train, 1500.0), (rubbing, 1700.0)])
+def test_a_steady_motion_stays(make, speed):
+    train = make()
+    motion = train.integrate(speed, unit="rpm")
+    assert all(motion.coupling_energy_loss > 0.1) if train.couplings else motion.coupling_energy_loss is None
     simulator = train.simulator(start=motion)
     assert simulator.frequency == motion.frequency
     period = motion.period * 2 * np.pi / (motion.frequency * train.explain()["train"]["characteristic_frequency"])
@@ -102,7 +114,7 @@ def test_a_steady_motion_stays():
     np.testing.assert_allclose(simulator.state, motion.state, atol=1e-6 * abs(motion.state).max())
     assert min(simulator.phase, 2 * np.pi - simulator.phase) < 1e-9
     assert simulator.value("mesh 1") == simulator.mesh_force[0]
-    assert simulator.value("motor") == simulator.body_speed[0]
+    assert simulator.value("motor") == simulator.body_speed[train.body_labels.index("motor")]
 
 
 def test_bad_input_is_told():
