@@ -207,7 +207,7 @@ class InTime(Analysable):
         inputs : sequence of str, optional
             Names of bodies; unless told all with a mean torque.
         outputs : sequence of str, optional
-            Of `Simulator.names`; all unless told.
+            Of ``Simulator.names``; all unless told.
 
         Returns
         -------
