@@ -3,12 +3,16 @@ module unit_flow
    use fixtures, only: long_train, single_pair
    use geartrain, only: dp, train_type
    use geartrain_base_kinds, only: pi
+   use geartrain_base_random, only: begin_random, generator_type
    use geartrain_floquet_propagator, only: propagator_type
    use geartrain_floquet_time_reversal, only: time_reversal_type
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: propagate
+   use geartrain_flow_start_state, only: resting_state
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_flow_wall_event, only: first_wall
    use geartrain_network_system, only: build_system, system_type
+   use networks, only: draw_laws, random_network
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -22,6 +26,7 @@ contains
       if (tests%runs('bouncing')) call bouncing(tests)
       if (tests%runs('on_the_wall')) call on_the_wall(tests)
       if (tests%runs('tangents')) call tangents(tests)
+      if (tests%runs('carried_tangents')) call carried_tangents(tests)
       if (tests%runs('interrupted')) call interrupted(tests)
       if (tests%runs('along_contacts')) call along_contacts(tests)
       if (tests%runs('half_an_interval')) call half_an_interval(tests)
@@ -125,6 +130,43 @@ contains
       ! The flow is C^1: the difference quotient is right to O(h) times the jump of curvature at an event.
       call tests%is_close(worst/maxval(abs(monodromy)), 0.0_dp, 1e-4_dp, 'monodromy against differences')
    end subroutine tangents
+
+   !> Tangents carried along the contacts of a flight against those of the flow, which are exact to rounding: on random trees and
+   !> loops with stages of stiffness and damping in contact, from random states that rattle.
+   subroutine carried_tangents(tests)
+      class(tests_type), intent(inout) :: tests
+      type(system_type), target :: system
+      type(train_type) :: train
+      type(tangent_flight_type) :: flight
+      type(generator_type) :: generator
+      real(dp), allocatable :: rest(:), state(:), final(:), carried(:), monodromy(:, :), tangents(:, :)
+      integer :: seed, start, i, n
+      character(2) :: number
+
+      do seed = 1, 12
+         write (number, '(i2)') seed
+         call random_network(5 + mod(seed, 4), mod(seed, 3), seed + 1000*tests%seed, train)
+         call draw_laws(seed + 1000*tests%seed, train)
+         train%bodies(1)%damping_to_ground = 0.02_dp*mod(seed, 2)
+         call build_system(train, system)
+         rest = resting_state(system)
+         n = size(rest)
+         allocate (final(n), carried(n), monodromy(n, n), tangents(n, n))
+         call flight%setup(system)
+         generator = begin_random(seed + tests%seed, 1)
+         do start = 1, 3
+            state = rest + [(3*maxval(abs(rest))*(2*generator%uniform() - 1), i=1, n)]
+            call propagate(system, 0.4_dp + 0.1_dp*seed, start, state, final, monodromy)
+            call flight%fly(0.4_dp + 0.1_dp*seed, start, state, carried, tangents)
+            ! One column against many: the steps are cut elsewhere, and a flight between walls multiplies rounding.
+            call tests%is_close(maxval(abs(carried - final))/maxval(abs(final)), 0.0_dp, 1e-9_dp, 'train '//number//': state')
+            ! A step of the propagator is right to 5e-10 of the state, and most are better.
+            call tests%is_close(maxval(abs(tangents - monodromy))/maxval(abs(monodromy)), 0.0_dp, 1e-8_dp, &
+                                'train '//number//': tangents')
+         end do
+         deallocate (final, carried, monodromy, tangents)
+      end do
+   end subroutine carried_tangents
 
    !> A step that is cut short must not make the next one less exact: one way in one go, and with a stop after a tiny step.
    subroutine interrupted(tests)

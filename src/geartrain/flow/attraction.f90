@@ -17,6 +17,7 @@ module geartrain_flow_attraction
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: flow_order, flow_tolerance
    use geartrain_flow_shooting, only: find_orbit
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -200,17 +201,19 @@ contains
       real(dp), intent(in) :: distance(:)
       real(dp) :: now(size(distance)), state(size(distance)), monodromy(size(distance), size(distance)), length
       complex(dp) :: multipliers(size(distance))
+      type(tangent_flight_type) :: flight
       integer :: k, octave
       logical :: found
 
       self%rival = huge(1.0_dp)
+      call flight%setup(self%flow%system)
       now = distance
       do octave = 0, octaves
          do k = 1, 2**octave
             now = matmul(self%monodromy, now)
             if (mod(4*k, 2**octave) /= 0) cycle
             state = self%state + self%energy%state(now)
-            call find_orbit(self%flow%system, self%frequency_ratio, self%period, most_steps, state, monodromy, length, found)
+            call find_orbit(flight, self%frequency_ratio, self%period, most_steps, state, monodromy, length, found)
             if (found) found = maxval(abs(state - self%state)) > equal*maxval(abs(self%state))
             if (.not. found) cycle
             call eigenvalues(monodromy, multipliers)

@@ -7,6 +7,7 @@ module geartrain_flow_attractor_search
    use geartrain_flow_flow, only: flow_type
    use geartrain_flow_orbit, only: begin_tangents, flow_order, flow_tolerance
    use geartrain_flow_shooting, only: find_orbit, newton_step
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -43,6 +44,7 @@ module geartrain_flow_attractor_search
       integer :: repels_until = 0
       !> The latest try found an orbit that repels; the flow repeats itself on this orbit, which it will not leave by itself.
       logical :: repels = .false., rests = .false.
+      type(tangent_flight_type), private :: flight
       !> Work of the tries [periods of the fundamental].
       real(dp) :: spent = 0
    contains
@@ -151,11 +153,12 @@ contains
       self%repels = .false.
       state = section(:, 0)
       shortest = period
-      call find_orbit(system, frequency_ratio, period, most_steps, state, monodromy, length, found, flights)
+      if (.not. associated(self%flight%system)) call self%flight%setup(system)
+      call find_orbit(self%flight, frequency_ratio, period, most_steps, state, monodromy, length, found, flights)
       self%spent = self%spent + work(period*flights, size(state))
       if (found .and. period > 1) then
          shortest = shortest_period(system, frequency_ratio, period, state)
-         if (shortest < period) call find_orbit(system, frequency_ratio, shortest, most_steps, state, monodromy, length, found)
+         if (shortest < period) call find_orbit(self%flight, frequency_ratio, shortest, most_steps, state, monodromy, length, found)
       end if
       if (.not. found) return
       call orbit%setup(system, frequency_ratio, shortest, state, monodromy, length)

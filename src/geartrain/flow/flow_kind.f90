@@ -10,6 +10,7 @@ module geartrain_flow_flow_kind
    use geartrain_flow_section_trend, only: section_trend_type
    use geartrain_flow_settling, only: is_leaving, is_linear
    use geartrain_flow_shooting, only: find_orbit
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -82,12 +83,14 @@ contains
          integer, intent(in) :: n
          real(dp) :: orbit(size(state)), monodromy(size(state), size(state)), power(size(state), size(state)), length, predicted
          complex(dp) :: multipliers(size(state))
+         type(tangent_flight_type) :: flight
          logical :: found
 
          nears = .false.
          if (.not. trend%error(n) < abs(trend%change(n))/2) return
          orbit = state
-         call find_orbit(system, frequency_ratio, n, most_steps, orbit, monodromy, length, found)
+         call flight%setup(system)
+         call find_orbit(flight, frequency_ratio, n, most_steps, orbit, monodromy, length, found)
          if (.not. found) return
          power = monodromy
          call eigenvalues(power, multipliers)

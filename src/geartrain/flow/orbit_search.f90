@@ -10,6 +10,7 @@ module geartrain_flow_orbit_search
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure
    use geartrain_flow_shooting, only: find_orbit
    use geartrain_flow_start_state, only: resting_state
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -32,6 +33,7 @@ module geartrain_flow_orbit_search
       !> States of the orbits found, (state, orbit).
       real(dp), allocatable, private :: known(:, :)
       type(flow_type), private :: flow
+      type(tangent_flight_type), private :: flight
    contains
       procedure :: begin
       procedure :: next
@@ -57,6 +59,7 @@ contains
       self%periods = 0
       self%trial = 2*longest + 1
       call self%flow%setup(system, 1, flow_order, flow_tolerance)
+      call self%flight%setup(system)
       self%flow%x(1, :) = resting_state(system)
       if (allocated(self%section)) deallocate (self%section)
       allocate (self%section(size(self%flow%x, 2), 0:longest))
@@ -104,7 +107,7 @@ contains
          state = self%section(:, 0)
          ! An orbit that became unstable by a period doubling lies between the two halves of the period-doubled orbit.
          if (mod(self%trial, 2) > 0) state = (state + self%section(:, motion%period))/2
-         call find_orbit(self%flow%system, self%frequency_ratio, motion%period, most_steps, state, monodromy, length, found)
+         call find_orbit(self%flight, self%frequency_ratio, motion%period, most_steps, state, monodromy, length, found)
          if (.not. found) cycle
          found = .not. any([(is_same_motion(state, self%known(:, i)), i=1, size(self%known, 2))])
          if (.not. found) cycle

@@ -16,6 +16,7 @@ module geartrain_flow_recognition
    use geartrain_flow_energy, only: energy_type
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_shooting, only: find_orbit
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -63,12 +64,14 @@ contains
       type(energy_type) :: energy
       complex(dp) :: multipliers(size(state))
       real(dp) :: monodromy(size(state), size(state)), now(size(state)), to_energy(size(state), size(state)), length
+      type(tangent_flight_type) :: flight
       integer :: i, j
       logical :: found, lost
 
       if (period == 0) return
       now = state
-      call find_orbit(system, map%frequency_ratio, period, most_steps, now, monodromy, length, found)
+      call flight%setup(system)
+      call find_orbit(flight, map%frequency_ratio, period, most_steps, now, monodromy, length, found)
       if (.not. found) return
       if (map%intervals == 0) then
          allocate (self%attraction)

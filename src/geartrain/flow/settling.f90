@@ -21,6 +21,7 @@ module geartrain_flow_settling
    use geartrain_flow_integration_settings, only: integration_settings_type, most_periods
    use geartrain_flow_orbit, only: flow_order, flow_tolerance, measure, memory_to_measure, propagate
    use geartrain_flow_shooting, only: find_orbit
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_network_system, only: system_type
    use geartrain_network_units, only: mesh_frequencies
    implicit none (type, external)
@@ -136,7 +137,8 @@ contains
       real(dp) :: final(size(motion%state)), monodromy(size(motion%state), size(motion%state))
       complex(dp) :: multipliers(size(motion%state))
 
-      if (orbit%period > 0) then
+      ! The search knows the multipliers to about 1e-9: enough for the verdict.
+      if (orbit%period > 0 .and. .not. stability) then
          multipliers = orbit%multipliers
          motion%stable = is_stable(multipliers)
          motion%undecided = is_neutral(multipliers)
@@ -156,15 +158,17 @@ contains
       real(dp), intent(in) :: frequency_ratio, state(:), exponent
       real(dp) :: orbit(size(state)), monodromy(size(state), size(state)), power(size(state), size(state)), length
       complex(dp) :: multipliers(size(state))
+      type(tangent_flight_type) :: flight
       integer :: period(longest_period), i
       logical :: found
 
       is_leaving = .false.
       if (size(state) > most_states) return
       period = likely_periods(system, frequency_ratio, state)
+      call flight%setup(system)
       do i = 1, most_others
          orbit = state
-         call find_orbit(system, frequency_ratio, period(i), most_steps, orbit, monodromy, length, found)
+         call find_orbit(flight, frequency_ratio, period(i), most_steps, orbit, monodromy, length, found)
          if (.not. found) cycle
          power = monodromy
          call eigenvalues(power, multipliers)

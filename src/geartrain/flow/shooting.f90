@@ -13,9 +13,10 @@ module geartrain_flow_shooting
    use geartrain_flow_kept_states, only: judge, keeps
    use geartrain_flow_multiple_shooting, only: find_orbit_in_sections, has_converged, max_iterations, most_parts, &
       section_states
-   use geartrain_flow_orbit, only: measure, propagate, stored_harmonics
+   use geartrain_flow_orbit, only: measure, stored_harmonics
    use geartrain_flow_sections, only: sections_type
    use geartrain_flow_start_state, only: state_of
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_network_divide_orders, only: divide_orders
    use geartrain_network_check_train, only: check_train
@@ -106,6 +107,7 @@ contains
    contains
 
       subroutine solve()
+         type(tangent_flight_type) :: flight
          real(dp), allocatable :: states(:, :)
          real(dp) :: frequency_ratio
 
@@ -113,7 +115,8 @@ contains
          frequency_ratio = guess%frequency_ratio
          if (pieces(1)) then
             call state_of(system, guess, state)
-            call find_orbit(system, frequency_ratio, motion%period, max_iterations, state, monodromy, length, found)
+            call flight%setup(system, exact=.true.)
+            call find_orbit(flight, frequency_ratio, motion%period, max_iterations, state, monodromy, length, found)
          end if
          if (pieces(2) .and. .not. (found .or. system%interrupt%raised())) then
             call sections%setup(system, motion%period, most_parts(system, motion%period), moves=.false.)
@@ -145,8 +148,9 @@ contains
    end subroutine refine
 
    !> Newton's method on the flow over a period, from a state to the state of an orbit nearby.
-   subroutine find_orbit(system, frequency_ratio, period, most, state, monodromy, length, found, flights)
-      type(system_type), intent(in) :: system
+   subroutine find_orbit(flight, frequency_ratio, period, most, state, monodromy, length, found, flights)
+      !> Set up.
+      type(tangent_flight_type), intent(inout) :: flight
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
       !> Period of the orbit [periods of the fundamental]; most Newton steps.
@@ -168,11 +172,11 @@ contains
       found = .false.
       length = 0
       before = huge(1.0_dp)
-      units = units_of(system)
+      units = units_of(flight%system)
       do i = 1, most
          if (present(flights)) flights = i
-         call propagate(system, frequency_ratio, period, state, final, monodromy)
-         if (system%interrupt%raised()) return
+         call flight%fly(frequency_ratio, period, state, final, monodromy)
+         if (flight%system%interrupt%raised()) return
          call newton_step(state, final, monodromy, step, info)
          scale = max(size_of(state), tiny(1.0_dp))
          gap = size_of(final - state)/scale
@@ -190,7 +194,7 @@ contains
       pure real(dp) function size_of(values)
          real(dp), intent(in) :: values(:)
 
-         size_of = units%size_of(system%displacements, reshape(values, [size(values), 1]))
+         size_of = units%size_of(flight%system%displacements, reshape(values, [size(values), 1]))
       end function size_of
 
    end subroutine find_orbit
