@@ -224,10 +224,12 @@ def test_what_rexs_lacks_is_asked_for(tmp_path):
     ("Pinion 1", {"tooth_thickness_deviation_tolerance_series_din_3967_1978": None}, "assumed", "by DIN 3967 c25"),
     ("Stage 1", {"minimum_transverse_backlash": ("mm", 0.1), "maximum_transverse_backlash": ("mm", 0.2)}, "assumed",
      "backlash 150 um, the mean of 100 and 200 um"),
+    ("Stage 1", {"minimum_transverse_backlash": ("mm", 0.1)}, "not used", "transverse backlash: must have a smallest and a largest"),
+    ("Input", {"rotational_speed": ("", 1500.0)}, "assumed", "in 1 / min, the unit of the standard, as it has none"),
     ("Stage 1", {"center_distance": None}, "assumed", "centre distance 122 mm, by the positions of the gears"),
     ("Steel", {"density": None}, "missing", "density; that of steel"),
     ("Motor", {"torque_around_u_axis": None}, "missing", "at which the most loaded mesh has 100 N/mm"),
-    ("Input", {"rotational_speed": None}, "missing", "speed of the gearbox"),
+    ("Input", {"rotational_speed": None}, "missing", "speed of the gearbox (defines_speed, rotational_speed), so no &response"),
     ("Machine", {"torque_around_u_axis": ("N m", -900.0)}, "not used", "external_load"),
 ])
 def test_a_note_says_what_was_assumed(tmp_path, name, attributes, kind, words):
@@ -236,6 +238,23 @@ def test_a_note_says_what_was_assumed(tmp_path, name, attributes, kind, words):
         assert not said(notes, "missing", "torque")
     else:
         assert said(notes, kind, words)
+    assert not said(notes, "missing", "torque; 0")
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("1 / s", 60.0), ("rad / s", 30 / pi)])
+def test_units_of_speeds(tmp_path, unit, factor):
+    box = two_stages().change("Input [", rotational_speed=(unit, 1500.0 / factor))
+    assert "speed_of = 'Motor [25]'" in case_of_rexs(box.write(tmp_path / "a.rexs"))
+    assert "1500 1/min in the file" in case_of_rexs(tmp_path / "a.rexs")
+
+
+def test_backlash_normal_to_the_flanks(tmp_path):
+    """The same gear pair, by the backlash at its pitch circles and by that normal to the flanks: as the forces, which do equal work."""
+    box = two_stages().change("Stage 1", minimum_normal_backlash=("mm", 0.1), maximum_normal_backlash=("mm", 0.2))
+    read = gt.read_rexs(box.write(tmp_path / "a.rexs"))
+    half = read.explain()["mesh 1"]["half_backlash"]  # in the transverse plane of action
+    base_helix = np.arcsin(np.sin(radians(15)) * cos(radians(20)))
+    assert 2 * half * np.cos(base_helix) == pytest.approx(150e-6, rel=1e-12)
 
 
 def test_a_profile_shift_of_zero_that_cannot_be(tmp_path):
@@ -356,16 +375,20 @@ def test_pitch_errors_of_a_table(tmp_path):
     """The same train as with values worked out by hand: a helical gear, from the reference circle to the line of action."""
     file = two_stages().write(tmp_path / "gearbox.rexs")
     microns = np.round(5 * np.sin(2 * pi * np.arange(23) / 23) + 0.4 * np.cos(9 * np.arange(23)), 2)
+    singles = np.round(np.diff(microns, prepend=microns[-1]), 2)
     cosine = COSINE / np.hypot(COSINE, np.tan(radians(20)))  # of the transverse pressure angle
     expected = gt.read_rexs(file).with_values({"mesh 1 driving_pitch_error": 1e-6 * cosine * microns})
     teeth = range(1, 24)
     tables = {
         "plain.txt": "\n".join(map(str, microns)),
         "numbered.csv": "# Pinion 1 [11]\ntooth,error [mm]\n" + "".join(f"{t},{x / 1000}\n" for t, x in zip(teeth, microns)),
+        "machine.txt": "Messprotokoll;\nZähnezahl;23\nModul [mm];2,5\n\nZahn;f_p [\N{MICRO SIGN}m];F_p [\N{MICRO SIGN}m]\n" + "".join(
+            f"{t};{x};{y}\n".replace(".", ",") for t, x, y in zip(teeth, singles, microns)) + "\nFp;12,5\nfp max;2,1\n",
         "comma.csv": "tooth;F_p [\N{MICRO SIGN}m]\n" + "".join(f"{t};{x}\n" for t, x in zip(teeth, microns)).replace(".", ","),
     }
     for name, text in tables.items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
+        encoding = {"machine.txt": "cp1252", "numbered.csv": "utf-16"}.get(name, "utf-8")
+        (tmp_path / name).write_text(text, encoding=encoding)
         for gear in ("mesh 1 driving", "Pinion 1 [11]"):
             train = gt.read_rexs(file, pitch_errors={gear: tmp_path / name})
             # Seven digits are written.
@@ -373,6 +396,12 @@ def test_pitch_errors_of_a_table(tmp_path):
             assert not train.meshes[0].driven_pitch_error and not train.meshes[1].driving_pitch_error
             notes = [note for note in train.notes if name in note]
             assert len(notes) == (2 if name == "plain.txt" else 1) and f"times {cosine:.5f}" in notes[0]
+    for heading in ("fp [um]\n", "# single pitch errors\ntooth\terror [um]\n"):
+        numbered = "\t" in heading
+        (tmp_path / "single.txt").write_text(heading + "".join(f"{t}\t{x}\n" if numbered else f"{x}\n" for t, x in zip(teeth, singles)))
+        train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "single.txt"})
+        assert np.allclose(train.meshes[0].driving_pitch_error, 1e-6 * cosine * np.cumsum(singles), rtol=0, atol=5e-13)
+        assert said(train.notes, "assumed", "single pitch errors, summed")
     (tmp_path / "wheel.txt").write_text("0.5\n" * 71, encoding="utf-8")
     train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "plain.txt", "Wheel 1 [14]": tmp_path / "wheel.txt"})
     assert train.meshes[0].driving_pitch_error and train.meshes[0].driven_pitch_error == pytest.approx([0.5e-6 * cosine] * 71)
@@ -391,9 +420,9 @@ def test_from_rexs_to_a_report_with_sidebands(executable, tmp_path):
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "Orders and sidebands" in report and "mesh 1 - 9 x Pinion [8]" in report
     # The case offers the other form in its own line.
-    steps = done.stdout.replace("pitch_error_form = 'polynomial'", "pitch_error_form = 'steps'")
-    (tmp_path / "steps.nml").write_text(steps)
-    assert steps != done.stdout and run(executable, "--check", "steps.nml", cwd=tmp_path).returncode == 0
+    smooth = done.stdout.replace("pitch_error_form = 'steps'", "pitch_error_form = 'polynomial'")
+    (tmp_path / "smooth.nml").write_text(smooth)
+    assert smooth != done.stdout and run(executable, "--check", "smooth.nml", cwd=tmp_path).returncode == 0
 
 
 # DIN 3967.

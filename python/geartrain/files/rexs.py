@@ -44,8 +44,9 @@ def read_rexs(
     pitch_errors : dict, optional
         Files with measured pitch errors of gears: ``{"mesh 1 driving": "pinion.txt"}``, or by the gear's own name. A line has the
         cumulative error of a tooth on the reference circle, as ISO 1328-1 measures it, in the order in which the teeth engage;
-        positive: towards the mate. The number of the tooth may stand before it. A heading may have the unit, ``[um]`` (the
-        default), ``[mm]`` or ``[m]``.
+        positive: towards the mate. The number of the tooth may stand before it. The heading of the column may have the unit,
+        ``[um]`` (the default), ``[mm]``, ``[nm]`` or ``[m]``, and says of several columns which one counts: ``Fp``, cumulative, or
+        else ``fp``, single pitch errors, which are summed. Text before and after the numbers is passed over.
 
     Returns
     -------
@@ -96,7 +97,8 @@ def _drafted(
     draft = draft_of(source, plain(title)[:80])
     for gear, table in (pitch_errors or {}).items():
         _add_pitch_errors(draft, source, gear, table)
-    _tell_unused(source, draft)
+    _tell_unused(source)
+    source.check()
     return draft, source, file
 
 
@@ -114,11 +116,11 @@ def _add_pitch_errors(draft: Draft, source: Source, gear: str, path: str | os.Pa
     slope = math.cos(math.atan2(math.tan(normal), math.cos(helix)))
     group[f"{side}_pitch_error"] = Entry([float(f"{slope * error:.7g}") for error in table.errors],
                                          f"{name}, along the line of action")
-    group.setdefault("pitch_error_form", Entry("polynomial", "'steps': with sidebands of the mesh orders, by the contact ratio"))
+    group.setdefault("pitch_error_form", Entry("steps", "with sidebands of the mesh; 'polynomial': smooth, without"))
     source.note("assumed", "cumulative pitch errors on the reference circle, in the order in which the teeth engage, positive: "
                            f"towards the mate; times {slope:.5f}, the cosine of the pressure angle, along the line of action", name)
-    if not table.has_unit:
-        source.note("assumed", "in um, as no heading has a unit", name)
+    for told in table.assumed:
+        source.note("assumed", told, name)
 
 
 def _find_gear(draft: Draft, gear: str) -> tuple[dict[str, Entry], str]:
@@ -142,7 +144,7 @@ def _find_gear(draft: Draft, gear: str) -> tuple[dict[str, Entry], str]:
                      f"{'; '.join(listed) or 'no mesh outside planetary sets'}")
 
 
-def _tell_unused(source: Source, draft: Draft) -> None:
+def _tell_unused(source: Source) -> None:
     """What of the file has no part in the case: types of components, then attributes of those that are read."""
     kinds = Counter(component.kind for component in source.file.components.values())
     asked = {kind for kind, _ in source.used}

@@ -18,6 +18,10 @@ __all__ = ["Entry", "Gear", "Pair", "read_pairs"]
 _SERIES = "c25"
 #: Sum of profile shifts that a centre distance may differ by: more than any backlash of DIN 3967.
 _TOO_FAR = 0.08
+#: Modules [m], from those of watches to those of mills; others are a mistake of the unit.
+_MODULES = 0.02e-3, 0.2
+#: Centre distance over that of the reference circles that no profile shift explains.
+_APART = 1.3
 #: Kinds of stages that have another geometry.
 _OTHERS = ("bevel_stage", "hypoid_stage", "worm_stage", "crown_stage", "beveloid_stage")
 
@@ -135,6 +139,9 @@ def _read_gear(source: Source, component: Component) -> Gear | None:
     if abs(teeth) < 3 or teeth != round(teeth) or teeth > 100000:
         source.wrong(component, f"number_of_teeth = {teeth:g}: must be a whole number from 3 on")
         return None
+    if not _MODULES[0] <= module <= _MODULES[1]:
+        source.wrong(component, f"normal_module = {1e3 * module:g} mm: must be {1e3 * _MODULES[0]:g} to {1e3 * _MODULES[1]:g} mm")
+        return None
     helix = source.number(component, "helix_angle_reference_diameter")
     if helix is None:
         source.note("missing", "helix angle; 0", component)
@@ -192,12 +199,21 @@ def _distance(
     if given is not None and given != 0:
         if placed is not None and abs(placed - abs(given)) > 1e-4:
             source.note("assumed", f"centre distance {1e3 * abs(given):g} mm, although axes are {1e3 * placed:g} mm apart", stage)
-        return abs(given)
+        return _likely(source, stage, gears, abs(given))
     if placed is not None and placed > 0:
         source.note("assumed", f"centre distance {1e3 * placed:.6g} mm, by the positions of the gears", stage)
-        return placed
+        return _likely(source, stage, gears, placed)
     source.note("missing", "centre distance; that of flanks without backlash", stage)
     return None
+
+
+def _likely(source: Source, stage: Component, gears: tuple[Gear, Gear], distance: float) -> float:
+    """A centre distance, refused where no profile shift leads to it."""
+    usual = abs(sum(-gear.reference if gear.internal else gear.reference for gear in gears)) / 2
+    if usual > 0 and not 1 / _APART < distance / usual < _APART:
+        source.wrong(stage, f"a centre distance of {1e3 * distance:g} mm: reference circles of {gears[0].teeth} and "
+                            f"{gears[1].teeth} teeth touch at {1e3 * usual:.6g} mm, and profile shifts change that less")
+    return distance
 
 
 def _shifts(
@@ -224,7 +240,7 @@ def _shifts(
         for place, gear in enumerate(gears):
             if found[place] is None:
                 found[place] = known[gear.component.number] = share
-                source.note("missing", f"profile shift; {share:.4g}, by the centre distance", gear.component)
+                source.note("missing", f"profile shift; {share or 0.0:.4g}, by the centre distance", gear.component)
     return found[0] or 0.0, found[1] or 0.0
 
 
@@ -233,12 +249,11 @@ def _sum_of_shifts(gears: tuple[Gear, Gear], distance: float | None) -> float:
     if distance is None:
         return 0.0
     count = sum(-gear.teeth if gear.internal else gear.teeth for gear in gears)
-    normal, helix = math.radians(gears[0].pressure or 20.0), math.radians(gears[0].helix)
-    transverse = math.atan(math.tan(normal) / math.cos(helix))
-    cosine = abs(count) * gears[0].module / (2 * math.cos(helix)) * math.cos(transverse) / distance
-    if not 0 < cosine < 1:
+    base, transverse = _base_circles(gears)
+    if not 0 < base < distance:
         return 0.0
-    working = math.acos(cosine)
+    working = math.acos(base / distance)
+    normal = math.radians(gears[0].pressure or 20.0)
     return count * (math.tan(working) - working - math.tan(transverse) + transverse) / (2 * math.tan(normal))
 
 
@@ -270,11 +285,15 @@ def _tips(source: Source, gears: tuple[Gear, Gear], shifts: tuple[float, float])
 
 def _backlash(source: Source, stage: Component, gears: tuple[Gear, Gear], distance: float | None) -> Entry:
     """Circumferential backlash at the working pitch circles: as computed by another program, by DIN 3967, or assumed."""
-    ends = source.number(stage, "minimum_transverse_backlash"), source.number(stage, "maximum_transverse_backlash")
-    if ends[0] is not None and ends[1] is not None and 0 <= ends[0] <= ends[1]:
-        mean = (ends[0] + ends[1]) / 2
-        source.note("assumed", f"backlash {1e6 * mean:.0f} um, the mean of {1e6 * ends[0]:.0f} and {1e6 * ends[1]:.0f} um", stage)
-        return Entry(mean, f"{stage}, mean of smallest and largest")
+    for section, factor in (("transverse", 1.0), ("normal", _normal_to_circle(gears, distance))):
+        least, most = (source.number(stage, f"{end}_{section}_backlash") for end in ("minimum", "maximum"))
+        if least is not None and most is not None and 0 <= least <= most:
+            mean, told = (least + most) / 2 * factor, ", normal to the flanks" if section == "normal" else ""
+            ends = f"{1e6 * least:.0f} and {1e6 * most:.0f} um{told}"
+            source.note("assumed", f"backlash {1e6 * mean:.0f} um, the mean of {ends}", stage)
+            return Entry(mean, f"{stage}, mean of smallest and largest{told}")
+        if least is not None or most is not None:
+            source.note("not used", f"{section} backlash: must have a smallest and a largest value from 0 on", stage)
     given = [gear.series for gear in gears if gear.series]
     if not given:
         source.note("missing", f"backlash; that of DIN 3967 {_SERIES}", stage)
@@ -291,6 +310,22 @@ def _backlash(source: Source, stage: Component, gears: tuple[Gear, Gear], distan
     if given:
         source.note("assumed", f"backlash {1e6 * value:.0f} um, by DIN 3967 {word}: mean tooth thickness, mean distance", stage)
     return Entry(value, f"{stage}: DIN 3967 {word}" if given else f"MISSING: DIN 3967 {word}")
+
+
+def _normal_to_circle(gears: tuple[Gear, Gear], distance: float | None) -> float:
+    """Backlash at the working pitch circles over that normal to the flanks (ISO 21771)."""
+    base, transverse = _base_circles(gears)
+    working = transverse if distance is None or distance <= base else math.acos(base / distance)
+    helix = math.asin(math.sin(math.radians(gears[0].helix)) * math.cos(math.radians(gears[0].pressure or 20.0)))
+    return 1 / (math.cos(working) * math.cos(helix))
+
+
+def _base_circles(gears: tuple[Gear, Gear]) -> tuple[float, float]:
+    """Sum of the base radii [m], that of a ring counted negative; transverse pressure angle [rad]."""
+    count = abs(sum(-gear.teeth if gear.internal else gear.teeth for gear in gears))
+    normal, helix = math.radians(gears[0].pressure or 20.0), math.radians(gears[0].helix)
+    transverse = math.atan(math.tan(normal) / math.cos(helix))
+    return count * gears[0].module / (2 * math.cos(helix)) * math.cos(transverse), transverse
 
 
 def _dedendum(source: Source, gears: tuple[Gear, Gear]) -> Entry:

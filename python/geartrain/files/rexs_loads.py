@@ -105,7 +105,8 @@ def read_loads(machine: Machine) -> Loads:
     loads = _loads_of(machine)
     reference = next(iter(given), loads[0][0])
     if not given:
-        source.note("missing", f"speed of the gearbox (defines_speed, rotational_speed); the sense of {loads[0][1]} by its torque")
+        source.note("missing", f"speed of the gearbox (defines_speed, rotational_speed), so no &response is asked for; the "
+                               f"sense of {loads[0][1]} by its torque")
         found = speeds(motions, {reference: machine.sense[reference] * _sign(source, loads)})
     if found is None or np.linalg.matrix_rank(motions[:, list(given) or [reference]]) < len(motions):
         source.refuse(f"has {len(motions)} independent speeds, and gives {len(given)} (defines_speed, rotational_speed of "
@@ -182,7 +183,8 @@ def _put_torques(machine: Machine, made: Loads, loads: list[tuple[int, Component
     if len(known) == len(loads) and len(loads) > 1:
         place, load = loads[-1]
         source.note("assumed", f"balances all other torques; its own, {known.pop(load.number)[0]:g} N m, is not used", load)
-    _choose_balancing(machine, made, [row for row in loads if row[1].number not in known], motions)
+    free = [row for row in loads if row[1].number not in known]
+    _choose_balancing(machine, made, free, motions)
     torques = np.zeros(len(machine.network.bodies))
     for place, load in loads:
         if load.number in known and place not in made.balancing:
@@ -193,6 +195,9 @@ def _put_torques(machine: Machine, made: Loads, loads: list[tuple[int, Component
     held = [place for place in machine.kept if machine.network.bodies[place].held or place in made.held]
     if not torques.any():
         torques = _usual(machine, made, loads, held)
+    for place, load in free:
+        if place not in made.balancing and place not in made.held and place not in made.torques:
+            source.note("missing", "torque; 0", load)
     made.forces = forces(machine.links, torques, list(made.balancing), held)
     dragged = _drag(machine, made, torques)
     if dragged.any():
@@ -256,16 +261,11 @@ def _choose_balancing(machine: Machine, made: Loads, free: list[tuple[int, Compo
         if np.linalg.matrix_rank(motions[:, chosen], tol=1e-9) > rank:
             made.balancing[place] = f"{load}, whose torque is not given"
             rank += 1
-        elif place not in made.held:
-            source.note("missing", "torque; 0", load)
         if rank == len(motions):
             break
     if rank < len(motions):
         source.refuse(f"has {len(motions)} independent speeds and {rank} external loads that can balance the torques: an "
                       f"external_load with transmits_torque and without torque is wanted")
-    for place, load in free:
-        if place not in made.balancing and place not in made.held:
-            source.note("missing", "torque; 0", load)
 
 
 def _usual(machine: Machine, made: Loads, loads: list[tuple[int, Component]], held: list[int]) -> Array:

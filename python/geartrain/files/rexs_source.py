@@ -14,12 +14,30 @@ from .rexs_file import Attribute, Component, RexsFile
 
 __all__ = ["Source"]
 
-#: Units of the published schema: of each its factor to SI, but of angles to degrees.
+#: Units by what they measure, that of the standard first: the factor of each to SI, of angles to degrees, of speeds to rpm.
 _UNITS = {
-    "": 1.0, "none": 1.0, "%": 0.01, "m": 1.0, "mm": 1e-3, "mum": 1e-6, "°": 1.0, "deg": 1.0, "rad": 180 / math.pi,
-    "1 / min": 1.0, "N m": 1.0, "N mm": 1e-3, "kN m": 1e3, "kW": 1e3, "W": 1.0, "kg": 1.0, "g": 1e-3, "t": 1e3, "kg m^2": 1.0,
-    "kg mm^2": 1e-6, "kg / dm^3": 1e3, "kg / m^3": 1.0, "g / cm^3": 1e3, "N / mm^2": 1e6, "MPa": 1e6, "GPa": 1e9, "N / m^2": 1.0,
-    "N mm / rad": 1e-3, "N m / rad": 1.0, "N / m": 1.0, "h": 3600.0, "s": 1.0,
+    "length": {"mm": 1e-3, "mum": 1e-6, "m": 1.0},
+    "direction": {"mm": 1e-3, "none": 1.0, "m": 1.0},
+    "number": {"none": 1.0},
+    "share": {"%": 0.01, "none": 1.0},
+    "angle": {"deg": 1.0, "°": 1.0, "rad": 180 / math.pi},
+    "speed": {"1 / min": 1.0, "1 / s": 60.0, "rad / s": 30 / math.pi},
+    "torque": {"N m": 1.0, "N mm": 1e-3, "kN m": 1e3},
+    "power": {"kW": 1e3, "W": 1.0},
+    "inertia": {"kg m^2": 1.0, "kg mm^2": 1e-6},
+    "density": {"kg / dm^3": 1e3, "kg / m^3": 1.0, "g / cm^3": 1e3},
+    "modulus": {"N / mm^2": 1e6, "MPa": 1e6, "GPa": 1e9, "N / m^2": 1.0},
+    "stiffness": {"N mm / rad": 1e-3, "N m / rad": 1.0},
+}
+
+#: What attributes measure that are no lengths.
+_MEASURED = {
+    **dict.fromkeys(("number_of_teeth", "addendum_modification_coefficient", "addendum_coefficient_reference_profile",
+                     "poisson_ratio", "gear_shift_index"), "number"),
+    **dict.fromkeys(("helix_angle_reference_diameter", "normal_pressure_angle"), "angle"),
+    "operating_time_fraction": "share", "u_axis_vector": "direction", "rotational_speed": "speed", "torque_around_u_axis": "torque",
+    "power": "power", "moment_of_inertia_u_axis": "inertia", "density": "density", "elastic_modulus": "modulus",
+    "rotational_stiffness": "stiffness",
 }
 
 #: What the name of an attribute was in other versions of the standard (changelogs of fva-net/rexs-api-java).
@@ -27,6 +45,8 @@ _FORMER = {
     "tooth_thickness_deviation_tolerance_series_din_3967_1978": ("din_3967_deviation_tolerance_series",),
     "operating_time_fraction": ("load_duration_fraction",),
 }
+
+_TRUTHS = {"true": True, "1": True, "false": False, "0": False}
 
 _LARGEST = 1e30  # of couplings that are meant to be rigid
 
@@ -111,9 +131,9 @@ class Source:
         return found.value if found is not None and isinstance(found.value, str) else None
 
     def truth(self, component: Component, name: str) -> bool | None:
-        """A truth value; None where it is absent or none."""
+        """A truth value; None where it is absent."""
         found = self.find(component, name)
-        return _truth(found.value) if found else None
+        return self._truth(component, name, found) if found else None
 
     def truths(self, component: Component, name: str) -> list[bool]:
         """Truth values of a list, or of one value."""
@@ -121,22 +141,35 @@ class Source:
         if found is None:
             return []
         values = found.value if isinstance(found.value, list) else [found.value]
-        return [bool(_truth(value)) for value in values]
+        return [bool(self._truth(component, name, found._replace(value=value))) for value in values]
 
     def vector(self, component: Component, name: str) -> NDArray[np.float64] | None:
-        """Three numbers in SI units; None where they are absent or none."""
+        """Three numbers in SI units; None where they are absent."""
         found = self.find(component, name)
-        if found is None or not isinstance(found.value, list) or len(found.value) != 3:
+        if found is None or found.value in ([], False):  # a published file has false for vectors that are not given
+            return None
+        if not isinstance(found.value, list) or len(found.value) != 3:
+            self.wrong(component, f"{name} = {shown(found.value)}: must be three numbers", found.line)
             return None
         values = [self._real(component, name, found._replace(value=value)) for value in found.value]
         return None if None in values else np.array(values, dtype=float)
 
+    def _truth(self, component: Component, name: str, found: Attribute) -> bool | None:
+        word = str(found.value).strip().lower()
+        if word not in _TRUTHS:
+            self.wrong(component, f"{name} = {shown(found.value)}: must be true or false", found.line)
+        return _TRUTHS.get(word)
+
     def _real(self, component: Component, name: str, found: Attribute) -> float | None:
-        if found.unit not in _UNITS:
-            self.wrong(component, f"{name}: unit {shown(found.unit)}: is none of the standard", found.line)
+        units = _UNITS[_MEASURED.get(name, "length")]
+        unit = found.unit or next(iter(units))
+        if unit not in units:
+            self.wrong(component, f"{name}: unit {shown(unit)}: must be {' or '.join(units)}", found.line)
             return None
+        if not found.unit and unit != "none":
+            self.note("assumed", f"in {unit}, the unit of the standard, as it has none", f"{name} of {component}")
         try:
-            value = float("nan") if isinstance(found.value, (bool, list)) else float(found.value) * _UNITS[found.unit]
+            value = float("nan") if isinstance(found.value, (bool, list)) else float(found.value) * units[unit]
         except (TypeError, ValueError, OverflowError):
             value = float("nan")
         if not abs(value) <= _LARGEST:
@@ -182,8 +215,3 @@ def _some(names: list[str]) -> str:
 def _of(components: Iterable[Component], kind: str) -> Iterable[Component]:
     return (component for component in components if component.kind == kind)
 
-
-def _truth(value: Any) -> bool | None:
-    if isinstance(value, bool):
-        return value
-    return {"true": True, "false": False}.get(str(value).strip().lower())

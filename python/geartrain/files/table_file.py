@@ -16,6 +16,7 @@ from .._core.variable import Variable
 from ..errors import InputError, shown
 from ..train import Train
 from ..variables import PARTS, VARIABLES
+from .text_file import decoded, read_bytes
 
 __all__ = ["read_table"]
 
@@ -76,10 +77,7 @@ def read_table(path: str | os.PathLike[str]) -> Train:
     >>> train = gt.read_table("reducer.csv")  # doctest: +SKIP
     """
     name = os.fspath(path)
-    with open(path, "rb") as stream:
-        data = stream.read(_LARGEST + 1)
-    if len(data) > _LARGEST:
-        raise InputError(f"{name}: error: has more than {_LARGEST >> 20} MB")
+    data = read_bytes(path, _LARGEST)
     rows, comma = (_of_spreadsheet(name, data), False) if data[:2] == b"PK" else _of_text(name, data)
     problems: list[str] = []
     groups = _groups(name, rows, comma, problems)
@@ -97,11 +95,7 @@ Rows = Iterator[tuple[str, Sequence[Any]]]
 
 def _of_text(name: str, data: bytes) -> tuple[Rows, bool]:
     """Rows with their places, and whether commas are decimal commas."""
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data[:error.start].count(b"\n") + 1
-        raise InputError(f"{name}:{line}: error: no text in UTF-8") from None
+    text = decoded(name, data)
     heading = next((line for line in text.splitlines() if line.strip().lower().startswith(_PART)), "")
     delimiter = max(",;\t", key=heading.count)
 
@@ -157,7 +151,7 @@ def _groups(name: str, rows: Rows, comma: bool, problems: list[str]) -> list[tup
 
 def _heading(text: str) -> _Column:
     match = re.fullmatch(r"\s*(.*?)\s*(?:\[(.*)\])?\s*", text, re.DOTALL)
-    name, unit = (match[1], match[2] or "") if match else (text, "")
+    name, unit = (match[1], re.sub("[\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}]", "u", match[2] or "")) if match else (text, "")
     numbered = re.fullmatch(r"(.*\D) (\d{1,3})", name)
     return _Column(numbered[1], int(numbered[2]), unit.strip()) if numbered else _Column(name, 0, unit.strip())
 
