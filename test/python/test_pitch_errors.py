@@ -1,6 +1,7 @@
 """Errors of single teeth and of a gear's revolution, against a SciPy integrator with equations of its own and closed forms."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -242,3 +243,38 @@ def test_the_case_of_the_pages():
         order, amplitude = motion.spectrum()
         for number, height in orders.items():
             assert amplitude[order.tolist().index(number), 0] == pytest.approx(height, rel=6e-3)
+
+
+def test_a_low_peak_has_the_order_that_makes_it():
+    """53 x pinion meets the mode of 485 Hz; in mesh 2 that makes a peak between two points, of which one is higher than it is."""
+    train = gt.Train(
+        bodies=[gt.Body(name="motor", inertia=5e-4, torque=90.0), gt.Body(name="pinion", inertia=1e-3),
+                gt.Body(name="wheel", inertia=0.04), gt.Body(name="pinion 2", inertia=3e-3),
+                gt.Body(name="machine", inertia=0.9, balances=True)],
+        meshes=[gt.Mesh(between=("pinion", "wheel"), teeth=(23, 69), normal_module=2.5e-3, helix_angle=15.0, face_width=40e-3,
+                        damping_ratio=0.05, backlash=250e-6, driving_pitch_error=np.resize(PITCH, 23), pitch_error_form="steps"),
+                gt.Mesh(between=("pinion 2", "machine"), teeth=(20, 80), normal_module=4e-3, helix_angle=15.0, face_width=70e-3,
+                        damping_ratio=0.05, backlash=250e-6)],
+        shafts=[gt.Shaft(between=("motor", "pinion"), stiffness=4e4, damping_ratio=0.01),
+                gt.Shaft(between=("wheel", "pinion 2"), stiffness=3e5, damping_ratio=0.01)])
+    branch = train.response(start=500.0, stop=560.0, unit="rpm", harmonics=0, tolerance=1e-3)
+    table = branch.report(verbose=True).partition("RESONANCES")[2].partition("SHAFTS")[0]
+    rows = re.findall(r"^ +([\d.]+) +([\d.]+) +([\d.]+) +(\S+) .*  (\S.*)$", table, re.MULTILINE)
+    assert [row[1] for row in rows] == ["58", "57", "56", "55", "54", "53", "52"]
+    for speed, order, hertz, mode, source in rows:
+        assert mode == "1" and source == f"{order} x revolution of pinion"
+        assert float(hertz) == pytest.approx(485.0, rel=2e-3) == pytest.approx(float(speed) / 60 * float(order), rel=2e-3)
+
+
+def test_a_peak_of_two_meshes():
+    """Both stiffnesses vary: their product has the sum of both orders, of which no mesh has one itself."""
+    train = gt.Train(
+        bodies=[gt.Body(name="pinion", inertia=1e-3, torque=90.0), gt.Body(name="wheel", inertia=0.04),
+                gt.Body(name="machine", inertia=0.9, balances=True)],
+        meshes=[gt.Mesh(between=("pinion", "wheel"), teeth=(20, 30), driving_radius=0.02, driven_radius=0.03, stiffness=3e8,
+                        stiffness_cos=0.25, damping_ratio=0.01),
+                gt.Mesh(between=("wheel", "machine"), teeth=(21, 70), driving_radius=0.03, driven_radius=0.1, stiffness=3e8,
+                        stiffness_cos=0.25, damping_ratio=0.01)])
+    branch = train.response(start=3000.0, stop=3300.0, unit="rpm", harmonics=0, tolerance=1e-3)
+    table = branch.report(verbose=True).partition("RESONANCES")[2]
+    assert re.search(r"^ +315\d\.\d +34 +17\d\d  2 .*  mesh 1 \+ mesh 2$", table, re.MULTILINE), table

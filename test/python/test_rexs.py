@@ -224,7 +224,7 @@ def test_what_rexs_lacks_is_asked_for(tmp_path):
     ("Pinion 1", {"tooth_thickness_deviation_tolerance_series_din_3967_1978": None}, "assumed", "by DIN 3967 c25"),
     ("Stage 1", {"minimum_transverse_backlash": ("mm", 0.1), "maximum_transverse_backlash": ("mm", 0.2)}, "assumed",
      "backlash 150 um, the mean of 100 and 200 um"),
-    ("Stage 1", {"minimum_transverse_backlash": ("mm", 0.1)}, "not used", "transverse backlash: must have a smallest and a largest"),
+    ("Stage 1", {"minimum_transverse_backlash": ("mm", 0.1)}, "not used", "transverse backlash: must have a smallest"),
     ("Input", {"rotational_speed": ("", 1500.0)}, "assumed", "in 1 / min, the unit of the standard, as it has none"),
     ("Stage 1", {"center_distance": None}, "assumed", "centre distance 122 mm, by the positions of the gears"),
     ("Steel", {"density": None}, "missing", "density; that of steel"),
@@ -249,7 +249,7 @@ def test_units_of_speeds(tmp_path, unit, factor):
 
 
 def test_backlash_normal_to_the_flanks(tmp_path):
-    """The same gear pair, by the backlash at its pitch circles and by that normal to the flanks: as the forces, which do equal work."""
+    """Play in the plane of action of the transverse section, times the cosine of the base helix angle."""
     box = two_stages().change("Stage 1", minimum_normal_backlash=("mm", 0.1), maximum_normal_backlash=("mm", 0.2))
     read = gt.read_rexs(box.write(tmp_path / "a.rexs"))
     half = read.explain()["mesh 1"]["half_backlash"]  # in the transverse plane of action
@@ -382,8 +382,8 @@ def test_pitch_errors_of_a_table(tmp_path):
     tables = {
         "plain.txt": "\n".join(map(str, microns)),
         "numbered.csv": "# Pinion 1 [11]\ntooth,error [mm]\n" + "".join(f"{t},{x / 1000}\n" for t, x in zip(teeth, microns)),
-        "machine.txt": "Messprotokoll;\nZähnezahl;23\nModul [mm];2,5\n\nZahn;f_p [\N{MICRO SIGN}m];F_p [\N{MICRO SIGN}m]\n" + "".join(
-            f"{t};{x};{y}\n".replace(".", ",") for t, x, y in zip(teeth, singles, microns)) + "\nFp;12,5\nfp max;2,1\n",
+        "machine.txt": "Protokoll;\nZähnezahl;23\nModul [mm];2,5\n\nZahn;f_p [\N{MICRO SIGN}m];F_p [\N{MICRO SIGN}m]\n" +
+            "".join(f"{t};{x};{y}\n" for t, x, y in zip(teeth, singles, microns)).replace(".", ",") + "\nFp;12,5\nfp max;2,1\n",
         "comma.csv": "tooth;F_p [\N{MICRO SIGN}m]\n" + "".join(f"{t};{x}\n" for t, x in zip(teeth, microns)).replace(".", ","),
     }
     for name, text in tables.items():
@@ -397,8 +397,8 @@ def test_pitch_errors_of_a_table(tmp_path):
             notes = [note for note in train.notes if name in note]
             assert len(notes) == (2 if name == "plain.txt" else 1) and f"times {cosine:.5f}" in notes[0]
     for heading in ("fp [um]\n", "# single pitch errors\ntooth\terror [um]\n"):
-        numbered = "\t" in heading
-        (tmp_path / "single.txt").write_text(heading + "".join(f"{t}\t{x}\n" if numbered else f"{x}\n" for t, x in zip(teeth, singles)))
+        rows = (f"{t}\t{x}\n" if "\t" in heading else f"{x}\n" for t, x in zip(teeth, singles))
+        (tmp_path / "single.txt").write_text(heading + "".join(rows))
         train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "single.txt"})
         assert np.allclose(train.meshes[0].driving_pitch_error, 1e-6 * cosine * np.cumsum(singles), rtol=0, atol=5e-13)
         assert said(train.notes, "assumed", "single pitch errors, summed")

@@ -107,25 +107,29 @@ contains
    pure real(dp) function order_of_peak(branch, mesh, point)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: mesh, point
-      real(dp) :: power(size(branch%orders))
-      integer :: feet(2), side, k
+      real(dp), dimension(size(branch%orders)) :: power, rise
+      integer :: feet(2), side
 
       order_of_peak = 0
       if (size(branch%orders) == 0) return
+      power = power_at(branch, mesh, point)
       do side = 1, 2
          associate (foot => feet(side), step => 2*side - 3)
             foot = point
             do
                if (foot + step < 1 .or. foot + step > branch%points) exit
                if (.not. joined(branch, min(foot, foot + step))) exit
-               if (branch%rms(mesh, foot + step) > branch%rms(mesh, foot)) exit
+               ! The first step is free: of a low peak between two points one may be higher than that at the peak.
+               if (foot /= point .and. branch%rms(mesh, foot + step) > branch%rms(mesh, foot)) exit
                foot = foot + step
+               if (abs(foot - point) == 1) power = max(power, power_at(branch, mesh, foot))
             end do
          end associate
       end do
-      power = power_at(branch, mesh, point) - max(power_at(branch, mesh, feet(1)), power_at(branch, mesh, feet(2)))
-      k = maxloc(power, 1)
-      order_of_peak = real(branch%orders(k), dp)/branch%subharmonic
+      rise = power - max(power_at(branch, mesh, feet(1)), power_at(branch, mesh, feet(2)))
+      ! Where one order falls as another rises, none may have a peak.
+      if (.not. any(rise > 0)) rise = power
+      order_of_peak = real(branch%orders(maxloc(rise, 1)), dp)/branch%subharmonic
    end function order_of_peak
 
    !> Squared amplitude of each order at a point [1], (order).

@@ -18,6 +18,9 @@ module geartrain_report_sources
    !> Amplitude below which a series does not excite, over the largest of the series [1].
    real(dp), parameter :: least = 1e-9_dp
 
+   !> Largest sum of the multiples of two mesh frequencies that name an order.
+   integer, parameter :: most_times = 5
+
    type :: sources_type
       private
       !> Order of the fundamental of each mesh; of the torque of each body, its revolution where it has a torque of that, (body).
@@ -111,6 +114,7 @@ contains
          if (pass == 1) call add_gears(self, whole, words)
          if (pass == 2 .and. words /= '') words = words//' (by its nonlinearity)'
       end do
+      if (words == '') call find_combination(self, whole, words)
       if (words == '') call find_sideband(self, whole, words)
       if (words == '') words = 'no single source'
    end subroutine name
@@ -181,6 +185,34 @@ contains
       words = 'revolution of '//trim(self%bodies(self%gear_body(gear, mesh)))
       if (order /= self%gear_order(gear, mesh)) words = text(real(order/self%gear_order(gear, mesh), dp))//' x '//words
    end subroutine turns_of
+
+   !> The simplest sum or difference of multiples of two mesh frequencies that an order is: '2 x mesh 1 - mesh 2'; '' where there is
+   !> none.
+   subroutine find_combination(self, order, words)
+      class(sources_type), intent(in) :: self
+      integer, intent(in) :: order
+      character(:), allocatable, intent(inout) :: words
+      integer :: i, j, left, times, others, total
+
+      do total = 2, most_times
+         do i = 1, size(self%mesh_order)
+            do j = 1, size(self%mesh_order)
+               if (min(self%mesh_order(i), self%mesh_order(j)) < 1) cycle
+               if (max(self%mesh_order(i), self%mesh_order(j)) > huge(1)/most_times) cycle
+               do times = 1, total - 1
+                  others = total - times
+                  left = order - times*self%mesh_order(i)
+                  if (abs(left) /= others*self%mesh_order(j) .or. (left > 0 .and. i > j)) cycle
+                  words = 'mesh '//text(j)
+                  if (others > 1) words = text(others)//' x '//words
+                  words = 'mesh '//text(i)//trim(merge(' +', ' -', left > 0))//' '//words
+                  if (times > 1) words = text(times)//' x '//words
+                  return
+               end do
+            end do
+         end do
+      end do
+   end subroutine find_combination
 
    !> The nearest multiple of a mesh frequency whose gear has errors, of which an order is a sideband: '2 x mesh 1 - revolution of
    !> pinion'; '' where there is none.
