@@ -86,6 +86,13 @@ contains
       call is_told(tests, 'face_width = 0.04', 'face_width = 0.04, bore = 28, 40', '&mesh 1: bore value 1 = 28.0: must be < &
                    &0.059528 m, the reference diameter of the gear of 23 teeth; the unit is the metre (28 mm are 0.028)')
       ! Possible, but hardly meant.
+      ! A centre distance that is rounded, 121.645 mm, is none; beyond the backlash it is an error.
+      call is_warned(tests, 'helix_angle = 15.0', 'helix_angle = 15.0, centre_distance = 0.12162', '&mesh 1: centre_distance = &
+                     &0.12162: teeth of full thickness touch at 0.121645 m already: the backlash takes teeth that are thinner by &
+                     &1.8786e-5 m')
+      call is_told(tests, 'helix_angle = 15.0', 'helix_angle = 15.0, centre_distance = 0.1215', '&mesh 1: centre_distance = &
+                   &0.1215: contradicts teeth and profile_shift: the flanks touch without backlash at 0.121645 m already; &
+                   &profile shifts with a sum of -0.057736 would fit')
       call is_warned(tests, 'backlash = 60e-6', 'backlash = 2e-3', '&mesh 1: backlash = 0.002: more than half a module')
       call is_warned(tests, 'error_cos = 3e-6', 'error_cos = 3.0', '&mesh 1: error_cos = 3.0: more than the backlash')
       call is_warned(tests, 'error_cos = 3e-6', 'error_sin = 0.0, -3e-3', '&mesh 1: error_sin = -0.003: more than the backlash')

@@ -13,7 +13,7 @@ from .._core.box import Box, fortran
 from .._core.description import Description
 from .._core.units import Unit, lambda_of, speed_of
 from .._core.watch import quiet, watched
-from ..errors import InputError, shown
+from ..errors import InputError, SolverError, shown
 from .motion import Motion, from_state
 from .motion_table import put_motions
 
@@ -101,7 +101,7 @@ class Simulator:
         Raises
         ------
         InputError
-            Where a body is unknown or a value is not allowed.
+            Where a body is unknown, a value is not allowed, or the step has more than ten million mesh cycles.
         SolverError
             Where the motion grows without bound.
         Interrupted
@@ -125,11 +125,15 @@ class Simulator:
                 raise InputError(f"torque: {shown(name)}: must be one of {', '.join(self.torque)}")
             if isinstance(value, bool) or not isinstance(value, Real) or not abs(value) < float("inf"):
                 raise InputError(f"torque: {name} = {shown(value)}: must be a number")
+        before, length = dict(self.torque), float(duration)
         self.torque.update({name: float(value) for name, value in (torque or {}).items()})
-        length = float(duration)
-        if length <= _SHORT:
-            return self._take(fortran.advance_simulator(*self._arguments(length, quiet())))
-        return watched(lambda progress: self._take(fortran.advance_simulator(*self._arguments(length, progress))), "simulator")
+        try:
+            if length <= _SHORT:
+                return self._take(fortran.advance_simulator(*self._arguments(length, quiet())))
+            return watched(lambda progress: self._take(fortran.advance_simulator(*self._arguments(length, progress))), "simulator")
+        except (InputError, SolverError):
+            self.torque = before
+            raise
 
     def value(self, name: str) -> float:
         """Force or torque of an element by its name, ``'mesh 1'``, ``'shaft 2'``; speed of a body by its name [rad/s]."""

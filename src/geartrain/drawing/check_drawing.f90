@@ -163,7 +163,8 @@ contains
          else if (.not. g%working_angle > 0) then
             call checker%complain('centre_distance', real_text(mesh%centre_distance), 'must be larger than that of the base &
                &circles, '//text(g%reference_distance*cos(g%transverse_angle))//' m')
-         else if (g%distance_backlash*cos(g%working_angle) < -rounding*mesh%normal_module) then
+         else if (g%distance_backlash*cos(g%working_angle) < -rounding*mesh%normal_module .and. -g%distance_backlash > gap) then
+            ! Up to a backlash that is given, the teeth may be thinner by as much.
             call checker%complain('centre_distance', real_text(mesh%centre_distance), 'contradicts teeth and profile_shift: the &
                &flanks touch without backlash at '//text(g%tight_distance)//' m already'//trim(fitting()))
          else if (mesh%backlash > 0 .and. mesh%backlash < g%distance_backlash - rounding*mesh%normal_module) then

@@ -26,6 +26,9 @@ module geartrain_flow_simulator
    private
    public :: simulator_type
 
+   !> Most mesh cycles of a step, minutes of computing: a torque that leads to more is mostly one in another unit.
+   real(dp), parameter :: most_cycles = 1e7_dp
+
    type :: simulator_type
       !> The train.
       type(system_type) :: system
@@ -37,6 +40,8 @@ module geartrain_flow_simulator
       !> Rotation per phase of the fundamental v [1] and inertia [kg m^2], (body); v . I v [kg m^2].
       real(dp), allocatable, private :: turns(:), inertia(:)
       real(dp), private :: whole_inertia = 0
+      !> Highest order of a mesh [1].
+      integer, private :: highest_order = 1
       !> Velocity of each node per velocity of each coordinate [1/m], (node, coordinate).
       real(dp), allocatable, private :: vibration(:, :)
    contains
@@ -87,6 +92,7 @@ contains
       allocate (self%inertia(size(plain%bodies)), self%torque(size(plain%bodies)), held(size(plain%bodies)))
       call bodies_of(plain, self%inertia, self%torque, balancing, held)
       call balance_torques(self%system%network, self%torque)
+      self%highest_order = maxval([1, plain%meshes%order])
       self%turns = merge(0.0_dp, abs(kinematics%turning%speed)*kinematics%speed_ratio, held)
       self%whole_inertia = sum(self%inertia*self%turns**2)
       call find_vibration(self)
@@ -105,13 +111,19 @@ contains
       real(dp), intent(in) :: torque(:)
       !> Time [s], >= 0.
       real(dp), intent(in) :: duration
-      !> The motion grows without bound, or too many contact events fell on one instant.
+      !> The motion grows without bound, too many contact events fell on one instant, or the step has too many mesh cycles.
       type(error_type), allocatable, intent(inout) :: error
-      real(dp) :: excess(size(torque)), acceleration
+      real(dp) :: excess(size(torque)), acceleration, cycles
 
       excess = torque - self%torque
       associate (omega => self%system%characteristic_frequency, flow => self%flow)
          acceleration = dot_product(self%turns, excess)/self%whole_inertia
+         cycles = (abs(self%frequency_ratio)*omega + abs(acceleration)*duration/2)*duration/(2*pi)*self%highest_order
+         if (.not. cycles < most_cycles) then
+            call fatal(error, 'simulator: '//text(cycles)//' mesh cycles in one step, at speeds to which the torques lead: &
+                       &must be below '//text(most_cycles)//': a shorter duration, or smaller torques', status_input)
+            return
+         end if
          flow%system => self%system
          flow%push(:size(torque)) = (excess - self%inertia*self%turns*acceleration)/self%system%characteristic_length
          flow%phase = self%phase

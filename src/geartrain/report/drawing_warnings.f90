@@ -34,6 +34,8 @@ module geartrain_report_drawing_warnings
    real(dp), parameter :: critical = 1
    !> Factor by which a given mesh stiffness is hardly ever off that of the drawing [1].
    real(dp), parameter :: far_off = 20
+   !> Overlap of flanks at the given centre distance that is no rounding, over the normal module [1].
+   real(dp), parameter :: least_thinning = 1e-3_dp
    !> Samples of a mesh stiffness for each harmonic.
    integer, parameter :: samples_per_harmonic = 32
    character(*), parameter :: in_metres = 'the unit is the metre '
@@ -363,6 +365,9 @@ contains
          end do
          if (g%clear_of_base < 0) call add('the tip of a gear reaches '//short(-g%clear_of_base)//' m beyond the base circle of &
             &its mate along the line of action: the flanks interfere')
+         if (g%distance_backlash < -least_thinning*mesh%normal_module) call add('centre_distance = '// &
+            real_text(mesh%centre_distance)//': teeth of full thickness touch at '//short(g%tight_distance)// &
+            ' m already: the backlash takes teeth that are thinner by '//short(-g%distance_backlash)//' m on top of it')
          if (.not. has_stiffness(mesh)) return
          shift = 0
          if (is_given(mesh%profile_shift)) shift = mesh%profile_shift
