@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import pkgutil
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -13,7 +14,7 @@ from conftest import ROOT
 import geartrain as gt
 from geartrain import _geartrain
 
-MODULES = ["geartrain", *(f"geartrain.{module.name}" for module in pkgutil.iter_modules(gt.__path__))]
+MODULES = ["geartrain", *(module.name for module in pkgutil.walk_packages(gt.__path__, "geartrain."))]
 
 
 @pytest.mark.parametrize("name", [name for name in MODULES if not name.endswith("._geartrain")])
@@ -29,8 +30,14 @@ def test_public_calls_have_examples():
 
 
 def test_every_module_is_installed():
-    here = {path.name for path in (ROOT / "python" / "geartrain").glob("*.py")} | {"py.typed"}
-    assert here <= {path.name for path in Path(gt.__file__).parent.iterdir()}
+    sources, installed = ROOT / "python" / "geartrain", Path(gt.__file__).parent
+    here = [path.relative_to(sources) for path in sources.rglob("*.py")] + [Path("py.typed")]
+    assert len(here) > 100 and [path for path in here if not (installed / path).is_file()] == []
+
+
+def test_public_names_are_in_the_api():
+    documented = set(re.findall(r":: geartrain\.(\w+)$", (ROOT / "docs" / "api.md").read_text(encoding="utf-8"), re.MULTILINE))
+    assert documented == set(gt.__all__)
 
 
 @pytest.mark.skipif(not shutil.which("readelf"), reason="no readelf")

@@ -97,7 +97,7 @@ def test_a_report_without_response(results, tmp_path):
 # K_v of ISO 6336-1:2006, method B.
 
 PAIR = Pair(teeth=20, radii=(0.05, 0.1), inertias=(0.002, 0.03), width=0.04, contact_ratio=1.6, single=1.4e10, mesh=2e10,
-            line_load=2e5, deviation=0.0)
+            line_load=2e5, base_pitch=0.0, profile=0.0)
 
 
 def at(pair, ratio):
@@ -109,9 +109,12 @@ def test_ranges_of_the_resonance_ratio():
     above = 0.125 * sin(pi * (1.6 - 2)) + 0.875
     assert [at(PAIR, ratio) for ratio in (0.5, 0.85, 1.0, 1.15, 1.325, 1.5, 3.0)] == pytest.approx(
         [1.115, 1.1955, 1.9, 1.9, (1.9 + above) / 2, above, above], rel=1e-12)
-    errors = replace(PAIR, deviation=5e-6)  # B_p = B_f = 1.4e10 5e-6/2e5 = 0.35
+    errors = replace(PAIR, base_pitch=5e-6, profile=5e-6)  # B_p = B_f = 1.4e10 5e-6/2e5 = 0.35
     assert at(errors, 0.5) == pytest.approx(1 + 0.5 * (0.32 * 0.35 + 0.34 * 0.35 + 0.23))
     assert at(errors, 2.0) == pytest.approx(0.47 * 0.35 + 0.47 * 0.35 + above)
+    pitch = replace(PAIR, base_pitch=5e-6)
+    assert at(pitch, 0.5) == pytest.approx(1 + 0.5 * (0.32 * 0.35 + 0.23))
+    assert (at(pitch, 1.0), at(pitch, 2.0)) == pytest.approx((1.9 + 0.32 * 0.35, 0.47 * 0.35 + above))
     helical = replace(errors, contact_ratio=2.6)
     assert at(helical, 0.5) == pytest.approx(1 + 0.5 * (0.32 * 0.35 + 0.57 / 2.3 * 0.35 + 0.096 / 1.04))
     assert at(helical, 1.0) == pytest.approx(1 + 0.32 * 0.35 + 0.57 / 2.3 * 0.35 + (0.57 - 0.13) / 1.16)
@@ -130,7 +133,12 @@ def test_the_resonance_is_that_of_the_pair_alone():
         meshes=[gt.Mesh(between=("a", "b"), teeth=[23, 71], normal_module=2.5e-3, helix_angle=15.0, face_width=0.04,
                         stiffness=told["mesh 1"]["stiffness"])])
     assert pair.resonance * 23 / 60 == pytest.approx(float(alone.natural_frequencies(unit="Hz")[0]), rel=1e-12)
-    assert pair.deviation == 3e-6 and np.isclose(pair.line_load, told["mesh 1"]["line_load"])
+    errors = np.zeros(71)
+    errors[3:] = 8e-6
+    errors[9] = -4e-6  # differs by 12 um from both neighbours
+    measured = _pair(train.with_values({"mesh 1 driven_pitch_error": errors}), told, 0)
+    assert (measured.base_pitch, measured.profile) == pytest.approx((12e-6, 3e-6))
+    assert pair.base_pitch == pair.profile == 3e-6 and np.isclose(pair.line_load, told["mesh 1"]["line_load"])
 
 
 def table_under(page, heading):
@@ -166,10 +174,32 @@ def test_sensitivities_and_sidebands(tmp_path):
     made = document_of(SimpleNamespace(response=None, modes=None, run_up=None, integration=sweep), "")
     rows = next(rows for kind, rows in made.blocks if kind == "table" and "what it comes from" in rows[0])
     names = {row[1]: float(row[2]) for row in rows[1:]}
+    _check_sidebands(made, motion)
+    # Without a peak in the range, and without a motion at a speed.
+    branch = train.response(start=3000.0, stop=3050.0, unit="rpm", harmonics=0)
+    assert not branch.peaks()
+    made = document_of(SimpleNamespace(response=branch, modes=None, run_up=None, integration=None), "")
+    _check_sidebands(made, branch.at(branch.frequency[branch.mesh_force_maximum[:, 0].argmax()])[0])
+    assert any("as no mesh with errors has a peak within the range, 30" in text for kind, text in made.blocks if kind == "sentence")
+    made = document_of(SimpleNamespace(response=None, modes=train.modes(), run_up=None, integration=None), "")
+    assert any("orders take a motion at a speed" in text for kind, text in made.blocks if kind == "sentence")
     orders = motion.orders(least=1e-4)
     for name, amplitude in names.items():
         assert amplitude == pytest.approx(float(orders.amplitude[list(orders.owner.values).index(name), 0]), rel=1e-3)
     assert {"mesh 1", "1 x mesh 1 - 1 x pinion"} <= names.keys() and any(name.endswith("pinion") for name in names)
+
+
+def _check_sidebands(made, motion):
+    """The table against the lines of the spectrum: the pinion turns once in an order."""
+    rows = next(rows for kind, rows in made.blocks if kind == "table" and rows[0][0] == "sidebands of")
+    assert rows[0][2:] == ["-3", "-2", "-1", "0", "+1", "+2", "+3"] and [row[0] for row in rows[1:]] == [
+        f"{times} x mesh 1" for times in (1, 2, 3)]
+    lines = dict(zip(*(values.tolist() for values in motion.spectrum()), strict=True))
+    teeth = motion.train.meshes[0].teeth[0]
+    for times, row in enumerate(rows[1:], 1):
+        assert row[1] == "pinion" and float(row[5]) > 0
+        for far, cell in zip(range(-3, 4), row[2:], strict=True):
+            assert float(cell or 0.0) == pytest.approx(lines.get(times * teeth + far, [0.0])[0], rel=1e-3)
 
 
 def test_whole_lists_as_values():

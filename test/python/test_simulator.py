@@ -124,7 +124,7 @@ def test_bad_input_is_told():
         (lambda: simulator.advance(-1.0), "duration = -1.0: must be a number >= 0"),
         (lambda: simulator.advance(1e-3, {"moter": 1.0}), "torque: 'moter': must be one of motor, pinion, wheel"),
         (lambda: simulator.advance(1e-3, {"motor": float("nan")}), "torque: motor = nan: must be a number"),
-        (lambda: simulator.advance(1e-2, {"motor": 1e12}), r"2\.776e9 mesh cycles in one step, at speeds to which the torques lead"),
+        (lambda: simulator.advance(1e-2, {"motor": 1e12}), r"2\.776e9 mesh cycles in one step, at speeds to which the"),
         (lambda: simulator.advance(1e300), "mesh cycles in one step"),
         (lambda: simulator.value("mesh 2"), "name = 'mesh 2': must be one of shaft 1, mesh 1, motor, pinion, wheel"),
         (lambda: train.simulator(-1.0), "frequency = -1.0: must be a number >= 0"),

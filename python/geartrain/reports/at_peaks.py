@@ -26,6 +26,8 @@ _PEAKS, _ROWS, _TRIED = 3, 10, 60
 _NEAR = 0.01
 #: Orders that are listed, and the least amplitude [of the largest one].
 _ORDERS, _LEAST = 10, 1e-4
+#: Multiples of a mesh frequency, and sidebands on either side of each, of the table.
+_MULTIPLES, _SIDEBANDS = 3, 3
 
 _OF_SHAFTS = ("stiffness", "damping_ratio", "damping", "loss_factor")
 _OF_MESHES = ("stiffness", "damping_ratio", "damping", "loss_factor", "half_backlash", "error_cos 1", "error_sin 1")
@@ -41,7 +43,7 @@ def sensitivities(made: Document, branch: Any, train: Description) -> None:
     values, heads = _parameters(train, train.explain()), []
     columns: list[dict[str, float]] = []
     for peak in peaks:
-        motion = _motion_at(branch, peak)
+        motion = _motion_at(branch, peak.frequency, peak.mesh - 1, peak.rms)
         if motion is None or not peak.mesh_force_maximum:
             continue
         if not columns:
@@ -76,12 +78,12 @@ def _highest(branch: Any, meshes: Container[int] | None = None) -> list[Any]:
     return kept[:_PEAKS]
 
 
-def _motion_at(branch: Any, peak: Any) -> Any:
-    """The motion of a peak."""
+def _motion_at(branch: Any, frequency: float, mesh: int, rms: float) -> Any:
+    """The motion whose rms of a mesh, counted from 0, is nearest."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        motions = branch.at(peak.frequency)
-    return min(motions, key=lambda motion: abs(motion.rms[peak.mesh - 1] - peak.rms), default=None)
+        motions = branch.at(frequency)
+    return min(motions, key=lambda motion: abs(motion.rms[mesh] - rms), default=None)
 
 
 def _shares(motion: Any, peak: Any, values: Mapping[str, float]) -> dict[str, float]:
@@ -134,29 +136,59 @@ def _variation(numbers: Mapping[str, Any]) -> float:
 
 def sidebands(made: Document, results: Any, train: Description) -> None:
     """The orders of a motion and what they come from, where gears have errors of their own."""
-    meshes = {number for number, *_ in gears_with_errors(train)}
-    if not meshes:
+    errors = gears_with_errors(train)
+    if not errors:
         return
-    motions = [motion for motion in (results.integration or ()) if getattr(motion, "period", 0)]
-    peaks = _highest(results.response, meshes)
-    if peaks and results.response.parameter is None:
-        motion = _motion_at(results.response, peaks[0])
-        where = f"the highest peak of {train.mesh_elements[peaks[0].mesh - 1]}"
-    elif motions:
-        motion, where = max(motions, key=lambda motion: float(np.max(motion.mesh_force_maximum))), "the largest mesh force"
-    else:
-        return
+    made.heading("Orders and sidebands")
+    motion, where = _loudest(results, {number for number, *_ in errors}, train)
     if motion is None:
+        made.sentence(where)
         return
+    at = f"Lambda {motion.frequency:.6g}" if motion.speed is None else f"{motion.speed:.6g} rpm"
+    unit = "um" if train.characteristic_length is None else "characteristic lengths"
+    lines = dict(zip(*(values.tolist() for values in motion.spectrum())))
+    places = range(-_SIDEBANDS, _SIDEBANDS + 1)
+    rows = [[f"{times} x mesh {number}", gear, *(_cell(lines.get(times * mesh + far * turn), number - 1) for far in places)]
+            for number, gear, mesh, turn in errors for times in range(1, _MULTIPLES + 1)]
+    made.table(["sidebands of", "by turns of", *(f"{far:+d}" if far else "0" for far in places)], rows)
+    made.sentence(f"Amplitudes of the displacement of the mesh at {where}, {at}, in {unit}: at multiples of its frequency (0), and "
+                  "as many revolutions of the gear below and above them.")
+
     order, amplitude, owner, ratio = named_spectrum(motion, _LEAST)
-    gears = {gear for _, gear, *_ in gears_with_errors(train)}
+    gears = {gear for _, gear, *_ in errors}
     rank = np.argsort(-(amplitude / amplitude.max(axis=0)).max(axis=1), kind="stable")
     sides = np.array([any(gear in name for gear in gears) for name in owner], dtype=bool)
     largest = np.sort(np.concatenate([rank[~sides[rank]][:_ORDERS], rank[sides[rank]][:_ORDERS]]))
-    at = f"Lambda {motion.frequency:.6g}" if motion.speed is None else f"{motion.speed:.6g} rpm"
-    made.heading("Orders and sidebands")
     rows = [[f"{order[i] / (ratio or 1):.6g}", owner[i], *(f"{value:.4g}" for value in amplitude[i])] for i in largest]
-    unit = "um" if train.characteristic_length is None else "characteristic lengths"
     made.table([f"order of {train.speed_name}" if ratio else "order", "what it comes from", *train.mesh_elements], rows)
-    made.sentence(f"Amplitudes of the mesh displacements at {where}, {at}, in {unit}: the {_ORDERS} largest orders of the meshes "
+    made.sentence(f"Amplitudes of the mesh displacements of the same motion, in {unit}: the {_ORDERS} largest orders of the meshes "
                   f"and the {_ORDERS} largest of gears with errors, from a ten-thousandth of the largest amplitude on.")
+
+
+def _cell(amplitude: Any, mesh: int) -> str:
+    return "" if amplitude is None or not amplitude[mesh] else f"{amplitude[mesh]:.4g}"
+
+
+def _loudest(results: Any, meshes: Container[int], train: Description) -> tuple[Any, str]:
+    """A motion at the highest peak of the meshes, or at their largest force, and where that is; None, and why."""
+    branch = results.response
+    if branch is not None and branch.parameter is None and len(branch.frequency):
+        peaks = _highest(branch, meshes)
+        if peaks:
+            peak = peaks[0]
+            motion = _motion_at(branch, peak.frequency, peak.mesh - 1, peak.rms)
+            if motion is not None:
+                return motion, f"the highest peak of {train.mesh_elements[peak.mesh - 1]}"
+        own = [place for place in range(branch.mesh_force_maximum.shape[1]) if place + 1 in meshes]
+        force = branch.mesh_force_maximum[:, own].max(axis=1)
+        stable = branch.stable is not None and np.where(branch.stable, force, 0.0)
+        point = int(np.argmax(stable if np.any(stable) else force))
+        mesh = own[int(branch.mesh_force_maximum[point, own].argmax())]
+        motion = _motion_at(branch, branch.frequency[point], mesh, branch.rms[point, mesh])
+        if motion is not None:
+            return motion, "the largest mesh force, as no mesh with errors has a peak within the range"
+    motions = [motion for motion in (results.integration or ()) if getattr(motion, "period", 0)]
+    if motions:
+        return max(motions, key=lambda motion: float(np.max(motion.mesh_force_maximum))), "the largest mesh force"
+    return None, ("Gears have errors, and orders take a motion at a speed: a response over the speed, or motions that &integration "
+                  "found to be periodic.")

@@ -28,8 +28,8 @@ class Pair:
         c' and c_gamma_alpha [N/m^2].
     line_load : float
         F_t K_A/b [N/m].
-    deviation : float
-        Effective base pitch and profile deviation [m].
+    base_pitch, profile : float
+        Effective deviations of base pitch and profile [m].
     """
 
     teeth: int
@@ -40,7 +40,8 @@ class Pair:
     single: float
     mesh: float
     line_load: float
-    deviation: float
+    base_pitch: float
+    profile: float
 
     @property
     def resonance(self) -> float:
@@ -53,7 +54,7 @@ class Pair:
 def dynamic_factor(pair: Pair, speed: float) -> tuple[float, float]:
     """K_v without tip relief, and the resonance ratio N, at a speed of the driving gear [rpm]."""
     ratio = abs(speed) / pair.resonance
-    errors = pair.single * pair.deviation / pair.line_load  # B_p and B_f; B_k is 1
+    pitch, profile = (pair.single * of / pair.line_load for of in (pair.base_pitch, pair.profile))  # B_p and B_f; B_k is 1
     total = pair.contact_ratio
     c1, c5 = 0.32, 0.47
     if total <= 2:
@@ -63,9 +64,9 @@ def dynamic_factor(pair: Pair, speed: float) -> tuple[float, float]:
         c4, c6 = (0.57 - 0.05 * total) / (total - 1.44), 0.12 / (total - 1.74)
     c7 = 0.75 if total <= 1.5 else 0.125 * math.sin(math.pi * (total - 2)) + 0.875 if total <= 2.5 else 1.0
     begins = 0.85 if pair.line_load >= 1e5 else 0.5 + 0.35 * math.sqrt(pair.line_load / 1e5)
-    main, above = (c1 + c2) * errors + c4 + 1, (c5 + c6) * errors + c7
+    main, above = c1 * pitch + c2 * profile + c4 + 1, c5 * pitch + c6 * profile + c7
     if ratio <= begins:
-        return ratio * ((c1 + c2) * errors + c3) + 1, ratio
+        return ratio * (c1 * pitch + c2 * profile + c3) + 1, ratio
     if ratio <= 1.15:
         return main, ratio
     if ratio < 1.5:

@@ -153,8 +153,9 @@ def _dynamic_factors(made: Document, branch: Any, train: Description) -> None:
     made.sentence("Largest mesh force over the static one, on the stable part of the response.")
     if beside:
         made.sentence("K_v is that of ISO 6336-1:2006, method B, at the same speed, with the resonance ratio N of the pair alone: "
-                      "K_A = 1, no tip relief, and the first harmonic of the transmission error as the effective deviation of base "
-                      "pitch and profile. It knows neither shafts nor other meshes. Not for meshes on a carrier, internal pairs or "
+                      "K_A = 1, no tip relief, and the first harmonic of the transmission error as the effective deviation of "
+                      "profile and base pitch, or the largest difference of neighbouring pitch errors of either gear where that is "
+                      "larger. It knows neither shafts nor other meshes. Not for meshes on a carrier, internal pairs or "
                       "gears without drawing.")
 
 
@@ -176,12 +177,15 @@ def _pair(train: Description, numbers: Mapping[str, Any], place: int) -> Pair | 
     if min(inertias) <= 0 or not told["line_load"] > 0 or not _turns(train, numbers, place):
         return None
     first = [float(np.ravel(values)[0]) for values in (mesh.error_cos, mesh.error_sin) if values is not None and np.size(values)]
+    profile = float(np.hypot.reduce(first)) if first else 0.0
+    pitches = [np.diff(np.append(values, np.ravel(values)[0]))
+               for values in (mesh.driving_pitch_error, mesh.driven_pitch_error) if values is not None and np.size(values)]
     teeth: Any = mesh.teeth
     return Pair(
         teeth=round(float(np.ravel(teeth)[0])), radii=tuple(told["base_radius"]), inertias=(inertias[0], inertias[1]),
         width=float(mesh.face_width), contact_ratio=float(told["contact_ratio"] + told["overlap_ratio"]),
         single=float(told["single_stiffness"]), mesh=float(told["mesh_stiffness"]), line_load=float(told["line_load"]),
-        deviation=float(np.hypot.reduce(first)) if first else 0.0)
+        base_pitch=max([profile, *(float(np.abs(single).max()) for single in pitches)]), profile=profile)
 
 
 def _load_sharing(made: Document, branch: Any, train: Description) -> None:
