@@ -55,6 +55,29 @@ def test_symmetric_motions_stay_so(teeth):
         assert np.ptp(each.rms[:3]) < 1e-9
 
 
+@pytest.mark.parametrize(("planets", "teeth", "asked"), [
+    (3, (26, 31, 88), {"start": 1.2, "stop": 2.2, "harmonics": 8}),
+    (5, (19, 21, 61), {"start": 1.1, "stop": 1.9, "harmonics": 8}),
+    (5, (19, 21, 61), {"start": 1.3, "stop": 1.6, "harmonics": 0}),
+    (5, (19, 21, 61), {"start": 1.3, "stop": 1.4, "harmonics": 48}),
+])
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_one_planet_stands_for_all_in_sequence(planets, teeth, asked):
+    """The same branch, and what lies on it, without the symmetry: a planet is 1e-14 m off its place."""
+    errors = [1e-14] + [0.0] * (planets - 1)
+    one, other = (stage(planets, teeth, **more).response(**asked) for more in ({}, {"planet_errors": errors}))
+    low, high = asked["start"], asked["stop"]
+    for at in np.linspace(low, high, 7)[1:-1]:
+        a, b = (sorted(branch.at(at), key=lambda motion: motion.rms[0]) for branch in (one, other))
+        assert len(a) == len(b) > 0
+        for first, second in zip(a, b):
+            assert np.allclose(first.rms, second.rms, rtol=1e-5, atol=0) and first.stable == second.stable
+            assert np.ptp(first.rms[:planets]) < 1e-12 * first.rms[0]
+    assert [special.kind for special in one.special_points] == [special.kind for special in other.special_points]
+    assert np.allclose([special.frequency for special in one.special_points],
+                       [special.frequency for special in other.special_points], rtol=1e-5)
+
+
 @pytest.fixture(scope="module")
 def broken():
     """Branch of motions in which one planet moves by itself."""

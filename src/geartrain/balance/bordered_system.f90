@@ -9,6 +9,7 @@ module geartrain_balance_bordered_system
    use geartrain_balance_equal_system, only: equal_system_type
    use geartrain_balance_fixed_space, only: fixed_space_type
    use geartrain_balance_linear_flow, only: linear_flow_type, suits
+   use geartrain_balance_planet_turn, only: planet_turn_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
@@ -120,7 +121,7 @@ contains
    end function difference_signs
 
    !> Factors the matrix with its border; `linearize` must have been called since the last `factor`, which overwrites it.
-   subroutine factor(self, balance, regular, fixed)
+   subroutine factor(self, balance, regular, fixed, turn)
       class(bordered_system_type), intent(inout) :: self
       !> Balance as at `linearize`.
       type(balance_type), intent(in) :: balance
@@ -128,10 +129,16 @@ contains
       logical, intent(out) :: regular
       !> Space of the right sides and of the solutions: only in it `solve` solves then.
       type(fixed_space_type), intent(in), optional :: fixed
+      type(planet_turn_type), intent(in), optional :: turn
+      type(planet_turn_type) :: at_once
 
       self%equal = .false.
-      if (present(fixed)) self%equal = fixed%joins() .and. .not. self%flows
-      if (self%equal) call self%reduced%setup(fixed, balance%system%cut%graph)
+      if (present(fixed) .and. .not. self%flows) self%equal = fixed%joins()
+      if (self%equal) call self%reduced%setup(fixed%orbit, fixed%inverse, at_once, balance%system%cut%graph)
+      if (present(turn) .and. .not. (self%equal .or. self%flows)) then
+         self%equal = allocated(turn%orbit)
+         if (self%equal) call self%reduced%setup(turn%orbit, turn%inverse, turn, balance%system%cut%graph)
+      end if
       call self%factor_now(balance, regular)
    end subroutine factor
 

@@ -1,10 +1,11 @@
 !> The linearised balance of a motion in which equal branches move equally, in the coefficients of one branch of each kind: the
-!> blocks of three equal planets become those of one. The solution is that of the whole system for right sides of the same symmetry.
+!> blocks of three equal planets become those of one, which may move a share of the cycle later. The solution is that of the whole
+!> system for right sides of the same symmetry.
 !>
-!> The equations of the mean are those of a tree and its loops. Multiplied with `fixed%inverse` they are exchanged as the
+!> The equations of the mean are those of a tree and its loops. Multiplied with their inverse they are exchanged as the
 !> others are (geartrain_balance_fixed_space), and one of each kind is enough.
 module geartrain_balance_equal_system
-   use geartrain_balance_fixed_space, only: fixed_space_type
+   use geartrain_balance_planet_turn, only: planet_turn_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_linalg_graph, only: graph_type
@@ -17,6 +18,8 @@ module geartrain_balance_equal_system
       integer, allocatable, private :: node(:), unknown(:)
       !> Factors of the equations of the mean, (equation, unknown).
       real(dp), allocatable, private :: inverse(:, :)
+      !> How much later unknowns move than those that stand for them; not allocated within: all move at once.
+      type(planet_turn_type), private :: turn
       !> Couplings of the nodes; the smaller system.
       type(graph_type), private :: graph
       type(bordered_type), private :: matrix
@@ -30,10 +33,13 @@ module geartrain_balance_equal_system
 contains
 
    !> Takes which unknowns move equally.
-   subroutine setup(self, fixed, whole)
+   subroutine setup(self, orbit, inverse, turn, whole)
       class(equal_system_type), intent(inout) :: self
-      !> The space of the motions, some of whose branches move equally at once.
-      type(fixed_space_type), intent(in) :: fixed
+      !> Unknown that stands for each, (unknown); inverse of the equations of the mean, (equation, unknown).
+      integer, intent(in) :: orbit(:)
+      real(dp), intent(in) :: inverse(:, :)
+      !> How much later each moves.
+      type(planet_turn_type), intent(in) :: turn
       !> Couplings of the unknowns.
       type(graph_type), intent(in) :: whole
       type(graph_type) :: graph
@@ -41,9 +47,10 @@ contains
       integer, allocatable :: node(:), pairs(:, :)
       integer :: i, j, k
 
-      self%unknown = pack([(i, i=1, size(fixed%orbit))], [(fixed%orbit(i) == i, i=1, size(fixed%orbit))])
-      node = [(findloc(self%unknown, fixed%orbit(i), 1), i=1, size(fixed%orbit))]
-      self%inverse = fixed%inverse
+      self%unknown = pack([(i, i=1, size(orbit))], [(orbit(i) == i, i=1, size(orbit))])
+      node = [(findloc(self%unknown, orbit(i), 1), i=1, size(orbit))]
+      self%inverse = inverse
+      self%turn = turn
       if (allocated(self%node)) then
          if (all(self%node == node)) return
       end if
@@ -82,6 +89,7 @@ contains
       real(dp), intent(in) :: column(:, :), row(:, :), corner
       !> 0: regular; else singular or interrupted.
       integer, intent(out) :: info
+      real(dp) :: part(whole%block, whole%block)
       integer :: entry, from, j, k, l, m, n
 
       call self%matrix%resize(whole%block, self%graph)
@@ -93,23 +101,37 @@ contains
       self%matrix%column(1, :) = matmul(self%inverse(self%unknown, :), column(1, :))
       associate (graph => whole%graph)
          do j = 1, graph%nodes
-            self%matrix%row(:, self%node(j)) = self%matrix%row(:, self%node(j)) + row(:, j)
+            part(1, :) = row(:, j)
+            call turned(1)
+            self%matrix%row(:, self%node(j)) = self%matrix%row(:, self%node(j)) + part(1, :)
             ! What the column is coupled with, the diagonal included.
             do m = self%graph%row(self%node(j)), self%graph%row(self%node(j) + 1) - 1
                k = self%graph%column(m)
                entry = self%graph%entry_of(k, self%node(j))
                from = graph%entry_of(self%unknown(k), j)
-               if (from > 0) self%matrix%entry(2:, :, entry) = self%matrix%entry(2:, :, entry) + whole%entry(2:, :, from)
+               part = 0
+               if (from > 0) part(2:, :) = whole%entry(2:, :, from)
                ! The rows that are coupled with the column.
                do n = graph%row(j), graph%row(j + 1) - 1
                   l = graph%column(n)
-                  self%matrix%entry(1, :, entry) = self%matrix%entry(1, :, entry) &
-                                                   + self%inverse(self%unknown(k), l)*whole%entry(1, :, graph%entry_of(l, j))
+                  part(1, :) = part(1, :) + self%inverse(self%unknown(k), l)*whole%entry(1, :, graph%entry_of(l, j))
                end do
+               call turned(whole%block)
+               self%matrix%entry(:, :, entry) = self%matrix%entry(:, :, entry) + part
             end do
          end do
       end associate
       call self%matrix%factor(info)
+
+   contains
+
+      !> Makes the first rows of a part of column j those of the unknown that stands for it.
+      subroutine turned(rows)
+         integer, intent(in) :: rows
+
+         if (allocated(self%turn%orbit)) call self%turn%turn_columns(j, part(:rows, :))
+      end subroutine turned
+
    end subroutine factor
 
    !> Solves in place.
@@ -123,6 +145,7 @@ contains
       one(1, :) = matmul(self%inverse(self%unknown, :), x(1, :))
       call self%matrix%solve(one, y)
       x = one(:, self%node)
+      if (allocated(self%turn%orbit)) call self%turn%turn(1, x)
    end subroutine solve
 
    !> Sign of the determinant of the smaller system.

@@ -18,7 +18,7 @@ module geartrain_balance_fixed_space
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: fixed_space_type
+   public :: fixed_space_type, mean_equations
 
    !> Largest difference of two branches that move equally, over the largest coefficient.
    real(dp), parameter :: same = 1e-7_dp
@@ -120,33 +120,45 @@ contains
    subroutine find_mean(self, system)
       class(fixed_space_type), intent(inout) :: self
       type(system_type), intent(in) :: system
-      real(dp) :: factors(size(self%orbit), size(self%orbit))
-      integer :: pivot(size(self%orbit)), i, info, n
+      integer :: i
 
-      n = size(self%orbit)
-      if (allocated(self%mean)) deallocate (self%mean, self%inverse)
-      allocate (self%mean(n, n), self%inverse(n, n), source=0.0_dp)
+      call mean_equations(system, self%mean, self%inverse)
+      if (allocated(self%inverse)) return
+      ! No train has such equations; without groups everything is as in a train without equal branches.
+      deallocate (self%group)
+      if (allocated(self%half_period%later)) deallocate (self%half_period%later)
+      allocate (self%group(0))
+      self%orbit = [(i, i=1, size(self%orbit))]
+   end subroutine find_mean
+
+   !> Equations of the mean where every mesh has its mean stiffness.
+   subroutine mean_equations(system, mean, inverse)
+      type(system_type), intent(in) :: system
+      !> The equations, (equation, unknown), and their inverse; not allocated where they are singular.
+      real(dp), allocatable, intent(out) :: mean(:, :), inverse(:, :)
+      real(dp), allocatable :: factors(:, :)
+      integer, allocatable :: pivot(:)
+      integer :: i, info
+
       associate (graph => system%cut%graph)
-         do i = 1, n
-            self%inverse(i, i) = 1
+         allocate (mean(graph%nodes, graph%nodes), inverse(graph%nodes, graph%nodes), source=0.0_dp)
+         allocate (pivot(graph%nodes))
+         do i = 1, graph%nodes
+            inverse(i, i) = 1
             associate (columns => graph%column(graph%row(i):graph%row(i + 1) - 1), &
                        entries => graph%entry(graph%row(i):graph%row(i + 1) - 1))
-               self%mean(i, columns) = system%mean%force(entries) + system%mean%displacement(entries)
+               mean(i, columns) = system%mean%force(entries) + system%mean%displacement(entries)
             end associate
          end do
+         factors = mean
+         call factor_matrix(graph%nodes, factors, pivot, info)
+         if (info == 0) then
+            call solve_factored(graph%nodes, graph%nodes, factors, pivot, inverse)
+         else
+            deallocate (inverse)
+         end if
       end associate
-      factors = self%mean
-      call factor_matrix(n, factors, pivot, info)
-      if (info /= 0) then
-         ! No train has such equations; without groups everything is as in a train without equal branches.
-         deallocate (self%group)
-         if (allocated(self%half_period%later)) deallocate (self%half_period%later)
-         allocate (self%group(0))
-         self%orbit = [(i, i=1, n)]
-         return
-      end if
-      call solve_factored(n, n, factors, pivot, self%inverse)
-   end subroutine find_mean
+   end subroutine mean_equations
 
    !> Whether the space is the space of all motions.
    pure logical function is_whole(self)

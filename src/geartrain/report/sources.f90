@@ -198,7 +198,7 @@ contains
          do i = 1, size(self%mesh_order)
             do j = 1, size(self%mesh_order)
                if (min(self%mesh_order(i), self%mesh_order(j)) < 1) cycle
-               if (max(self%mesh_order(i), self%mesh_order(j)) > huge(1)/most_times) cycle
+               if (most_times*real(max(self%mesh_order(i), self%mesh_order(j)), dp) > huge(1)) cycle
                do times = 1, total - 1
                   others = total - times
                   left = order - times*self%mesh_order(i)

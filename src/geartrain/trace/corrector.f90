@@ -5,8 +5,10 @@ module geartrain_trace_corrector
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
    use geartrain_balance_fixed_space, only: fixed_space_type
+   use geartrain_balance_planet_turn, only: planet_turn_type
    use geartrain_base_kinds, only: dp
    use geartrain_network_equal_branches, only: equal_branches_type
+   use geartrain_network_planet_symmetry, only: symmetry_type
    use geartrain_network_units, only: units_type
    implicit none (type, external)
    private
@@ -49,6 +51,9 @@ module geartrain_trace_corrector
       !> Equal branches of the train; not allocated: none. Which of them move equally on the branch that is followed.
       type(equal_branches_type), allocatable :: sets(:)
       type(fixed_space_type) :: fixed
+      !> Planetary sets whose planets may move one after the other; not allocated: none. Whether they do on that branch.
+      type(symmetry_type), allocatable :: symmetries(:)
+      type(planet_turn_type) :: turn
       !> Prescribes the unknown that changes fastest instead of the arclength, equation (11).
       logical :: local_control = .false.
       !> First Newton step over predictor step [1] and number of Newton steps, at the latest solution.
@@ -84,6 +89,7 @@ contains
 
       call self%matrix%setup(self%balance)
       call self%fixed%half_period%take_harmonics(self%balance%harmonic/self%balance%repeats, self%balance%waves())
+      if (self%balance%waves() == 1) call self%turn%take_harmonics(self%balance%harmonic/self%balance%eta)
       if (allocated(self%step)) deallocate (self%step)
       allocate (self%step(self%balance%block, self%balance%unknowns))
    end subroutine setup
@@ -96,6 +102,9 @@ contains
 
       if (.not. allocated(self%sets)) return
       if (size(self%sets) > 0) call self%fixed%find(self%balance%system, self%sets, solution%u, solution%tangent)
+      if (.not. allocated(self%symmetries) .or. .not. self%fixed%is_whole()) return
+      if (self%balance%waves() == 1 .and. self%balance%eta == 1) call self%turn%find( &
+         self%balance%system, self%symmetries, self%balance%mesh, self%balance%harmonic, solution%u, solution%tangent)
    end subroutine keep_equal
 
    !> Solves at constant Lambda.
@@ -126,7 +135,7 @@ contains
       self%matrix%row = 0
       self%matrix%corner = 1
       if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
-      call self%matrix%factor(self%balance, success, self%fixed)
+      call self%matrix%factor(self%balance, success, self%fixed, self%turn)
       if (.not. success) return
       call self%orient(solution, 1)
       call self%correct(solution, success)
@@ -164,6 +173,7 @@ contains
       y = 0
       call self%matrix%solve(self%balance, self%step, y, rough)
       call self%fixed%project(self%step)
+      call self%turn%project(self%step)
       distance = self%length_of(self%step, y)
    end subroutine find_distance
 
@@ -256,6 +266,7 @@ contains
       before = huge(1.0_dp)
       ! A guess beyond points known is a difference of them that multiplies their rounding, from step to step.
       call self%fixed%project(solution%u)
+      call self%turn%project(solution%u)
       first = merge(first_accuracy_set, first_accuracy, self%balance%chosen)
       least = merge(least_residual_set, least_residual, self%balance%chosen)
       accuracy = first
@@ -288,7 +299,7 @@ contains
             self%matrix%row = row
             self%matrix%corner = row_frequency
             if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
-            call self%matrix%factor(self%balance, regular, self%fixed)
+            call self%matrix%factor(self%balance, regular, self%fixed, self%turn)
             if (.not. regular) return
          end if
          y = 0
@@ -298,6 +309,7 @@ contains
          defect_before = defect
          call self%matrix%solve(self%balance, self%step, y, accuracy)
          call self%fixed%project(self%step)
+         call self%turn%project(self%step)
          length = self%length_of(self%step, y)
          if (.not. length <= longest) return
          if (iteration == 1) self%correction = length/longest
@@ -332,6 +344,7 @@ contains
          call self%matrix%solve_border(self%balance, solution%tangent, solution%tangent_frequency, self%step, y)
       end if
       call self%fixed%project(self%step)
+      call self%turn%project(self%step)
       length = self%length_of(self%step, y)
       if (inner(self%step, solution%tangent)/self%units%length**2 &
           + y*solution%tangent_frequency/self%units%frequency_ratio**2 < 0) length = -length

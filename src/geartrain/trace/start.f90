@@ -16,6 +16,7 @@ module geartrain_trace_start
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_network_equal_branches, only: equal_branches_type, find_equal_branches, same_branches
    use geartrain_network_natural_modes, only: natural_frequency_ranges
+   use geartrain_network_planet_symmetry, only: find_symmetries
    use geartrain_network_system, only: build_system, put_speed, system_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -113,7 +114,10 @@ contains
 
          associate (balance => tracer%corrector%balance)
             call find_equal_branches(tracer%system, tracer%corrector%sets)
-            if (.not. allocated(balance%path)) return
+            if (.not. allocated(balance%path)) then
+               call find_symmetries(train, tracer%system, tracer%corrector%symmetries)
+               return
+            end if
             do k = 1, 2
                if (size(tracer%corrector%sets) == 0) return
                call balance%path%system_at(merge(balance%path%low, balance%path%high, k == 1), at_end)

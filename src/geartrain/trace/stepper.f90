@@ -89,7 +89,7 @@ contains
       logical :: success
 
       call self%corrector%keep_equal(origin)
-      if (self%corrector%fixed%is_whole()) return
+      if (self%corrector%fixed%is_whole() .and. .not. allocated(self%corrector%turn%orbit)) return
       before = here
       call self%corrector%correct(here, success)
       if (.not. success) here = before

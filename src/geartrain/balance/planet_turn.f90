@@ -1,0 +1,179 @@
+!> Motions of a planetary set in which each planet moves as the one before it, a share of the mesh cycle later: a turn of the planets
+!> by one place, with a shift in time, leaves them as they are. The Jacobian of the balance leaves these motions to themselves, and
+!> one planet stands for all.
+!>
+!> With an odd number of planets the other motions come in pairs, whose parts of the Jacobian are conjugate: the sign of its
+!> determinant is that within the motions of this symmetry.
+module geartrain_balance_planet_turn
+   use geartrain_balance_fixed_space, only: mean_equations
+   use geartrain_base_kinds, only: dp
+   use geartrain_network_planet_symmetry, only: symmetry_type
+   use geartrain_network_system, only: system_type
+   implicit none (type, external)
+   private
+   public :: planet_turn_type
+
+   !> Largest difference of two planets that move alike, over the largest coefficient.
+   real(dp), parameter :: same = 1e-7_dp
+
+   type :: planet_turn_type
+      !> Unknown that stands for each, (unknown); not allocated: the motions have no such symmetry.
+      integer, allocatable :: orbit(:)
+      !> Inverse of the equations of the mean where every mesh has its mean stiffness, (equation, unknown).
+      real(dp), allocatable :: inverse(:, :)
+      !> Cosine and sine of the angle by which each harmonic of an unknown is behind that of the one that stands for it,
+      !> (harmonic, unknown).
+      real(dp), allocatable :: cosine(:, :), sine(:, :)
+      !> Shift of each unknown [rad of Lambda], (unknown).
+      real(dp), allocatable, private :: shift(:)
+   contains
+      procedure :: find
+      procedure :: take_harmonics
+      procedure :: project
+      procedure :: turn
+      procedure :: turn_columns
+   end type planet_turn_type
+
+contains
+
+   !> Finds whether the planets of a set move so.
+   subroutine find(self, system, symmetries, mesh, harmonic, u, tangent)
+      class(planet_turn_type), intent(inout) :: self
+      type(system_type), intent(in) :: system
+      !> Symmetric sets of the train.
+      type(symmetry_type), intent(in) :: symmetries(:)
+      !> Mesh of each unknown, (unknown).
+      integer, intent(in) :: mesh(:)
+      !> Harmonics of the coefficients in multiples of Lambda.
+      integer, intent(in) :: harmonic(:)
+      !> A motion, and a direction in which it is to be followed: coefficients of the unknown meshes [1], (block, unknown).
+      real(dp), intent(in) :: u(:, :), tangent(:, :)
+      type(planet_turn_type) :: next
+      real(dp), allocatable :: mean(:, :)
+      integer :: i, k, n
+
+      if (allocated(self%orbit)) deallocate (self%orbit, self%shift, self%cosine, self%sine)
+      do i = 1, size(symmetries)
+         associate (places => symmetries(i)%mesh, shift => symmetries(i)%shift)
+            n = size(places, 2)
+            if (mod(n, 2) == 0 .or. size(places) /= size(mesh) .or. .not. abs(shift) > 0) cycle
+            if (.not. all([(any(places == mesh(k)), k=1, size(mesh))])) cycle
+            next%orbit = [(findloc(mesh, places(row_of(mesh(k)), 1), 1), k=1, size(mesh))]
+            next%shift = [((place_of(mesh(k)) - 1)*shift, k=1, size(mesh))]
+            call next%take_harmonics(harmonic)
+            if (.not. (moves_so(u) .and. moves_so(tangent))) cycle
+            call mean_equations(system, mean, next%inverse)
+            if (.not. allocated(next%inverse)) cycle
+            self%orbit = next%orbit
+            self%shift = next%shift
+            self%inverse = next%inverse
+            call self%take_harmonics(harmonic)
+            return
+         end associate
+      end do
+
+   contains
+
+      !> Place of a mesh among those of a planet, and of its planet.
+      pure integer function row_of(number)
+         integer, intent(in) :: number
+         integer :: at(2)
+
+         at = findloc(symmetries(i)%mesh, number)
+         row_of = at(1)
+      end function row_of
+
+      pure integer function place_of(number)
+         integer, intent(in) :: number
+         integer :: at(2)
+
+         at = findloc(symmetries(i)%mesh, number)
+         place_of = at(2)
+      end function place_of
+
+      !> Whether all planets move as the first one does, each by its own shift later.
+      logical function moves_so(x)
+         real(dp), intent(in) :: x(:, :)
+         real(dp) :: turned(size(x, 1), size(x, 2))
+
+         turned = x(:, next%orbit)
+         call next%turn(1, turned)
+         moves_so = maxval(abs(turned - x)) <= same*maxval(abs(x))
+      end function moves_so
+
+   end subroutine find
+
+   !> Takes the harmonics of the coefficients; to be called whenever they change.
+   pure subroutine take_harmonics(self, harmonic)
+      class(planet_turn_type), intent(inout) :: self
+      !> Multiples of Lambda.
+      integer, intent(in) :: harmonic(:)
+      integer :: j, k
+
+      if (.not. allocated(self%orbit)) return
+      self%cosine = reshape([((cos(harmonic(k)*self%shift(j)), k=1, size(harmonic)), j=1, size(self%shift))], &
+                            [size(harmonic), size(self%shift)])
+      self%sine = reshape([((sin(harmonic(k)*self%shift(j)), k=1, size(harmonic)), j=1, size(self%shift))], &
+                          [size(harmonic), size(self%shift)])
+   end subroutine take_harmonics
+
+   !> Takes the part of coefficients that has the symmetry.
+   pure subroutine project(self, x)
+      class(planet_turn_type), intent(in) :: self
+      !> Coefficients [1], (block, unknown).
+      real(dp), intent(inout) :: x(:, :)
+      real(dp) :: mean(size(x, 1))
+      integer :: i, j
+
+      if (.not. allocated(self%orbit)) return
+      call self%turn(-1, x)
+      do i = 1, size(x, 2)
+         if (self%orbit(i) /= i) cycle
+         mean = 0
+         do j = 1, size(x, 2)
+            if (self%orbit(j) == i) mean = mean + x(:, j)
+         end do
+         mean = mean/count(self%orbit == i)
+         do j = 1, size(x, 2)
+            if (self%orbit(j) == i) x(:, j) = mean
+         end do
+      end do
+      call self%turn(1, x)
+   end subroutine project
+
+   !> Delays each unknown by its shift, or takes the delay back.
+   pure subroutine turn(self, sense, x)
+      class(planet_turn_type), intent(in) :: self
+      !> 1: delays; -1: takes the delay back.
+      integer, intent(in) :: sense
+      !> Coefficients of the lowest harmonics [1], (block, unknown).
+      real(dp), intent(inout) :: x(:, :)
+      real(dp) :: even
+      integer :: j, k
+
+      do j = 1, size(x, 2)
+         do k = 1, size(x, 1)/2
+            even = x(2*k, j)
+            x(2*k, j) = self%cosine(k, j)*even - sense*self%sine(k, j)*x(2*k + 1, j)
+            x(2*k + 1, j) = sense*self%sine(k, j)*even + self%cosine(k, j)*x(2*k + 1, j)
+         end do
+      end do
+   end subroutine turn
+
+   !> Columns of an unknown, of a matrix that acts on the coefficients, for those of the unknown that stands for it.
+   pure subroutine turn_columns(self, unknown, columns)
+      class(planet_turn_type), intent(in) :: self
+      integer, intent(in) :: unknown
+      !> (row, block).
+      real(dp), intent(inout) :: columns(:, :)
+      real(dp) :: even(size(columns, 1))
+      integer :: k
+
+      do k = 1, size(columns, 2)/2
+         even = columns(:, 2*k)
+         columns(:, 2*k) = self%cosine(k, unknown)*even + self%sine(k, unknown)*columns(:, 2*k + 1)
+         columns(:, 2*k + 1) = self%cosine(k, unknown)*columns(:, 2*k + 1) - self%sine(k, unknown)*even
+      end do
+   end subroutine turn_columns
+
+end module geartrain_balance_planet_turn
