@@ -396,13 +396,18 @@ def test_pitch_errors_of_a_table(tmp_path):
             assert np.allclose(train.meshes[0].driving_pitch_error, expected.meshes[0].driving_pitch_error, rtol=0, atol=5e-13)
             assert not train.meshes[0].driven_pitch_error and not train.meshes[1].driving_pitch_error
             notes = [note for note in train.notes if name in note]
-            assert len(notes) == (2 if name == "plain.txt" else 1) and f"times {cosine:.5f}" in notes[0]
+            assert len(notes) == {"plain.txt": 3, "numbered.csv": 2}.get(name, 1) and f"times {cosine:.5f}" in notes[0]
     for heading in ("fp [um]\n", "# single pitch errors\ntooth\terror [um]\n"):
         rows = (f"{t}\t{x}\n" if "\t" in heading else f"{x}\n" for t, x in zip(teeth, singles))
         (tmp_path / "single.txt").write_text(heading + "".join(rows))
         train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "single.txt"})
         assert np.allclose(train.meshes[0].driving_pitch_error, 1e-6 * cosine * np.cumsum(singles), rtol=0, atol=5e-13)
         assert said(train.notes, "assumed", "single pitch errors, summed")
+    flanks = "Tooth;Fp left;Fp right\nNr.;mm;mm\n" + "".join(f"{t};{x / 1000};{-x / 1000}\n" for t, x in zip(teeth, microns))
+    (tmp_path / "flanks.csv").write_text(flanks.replace("-", "\N{MINUS SIGN}"), encoding="utf-8")
+    for column, sign in (("Fp left", 1), ("Fp right", -1)):
+        train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": f"{tmp_path}/flanks.csv#{column}"})
+        assert np.allclose(train.meshes[0].driving_pitch_error, sign * 1e-6 * cosine * microns, rtol=0, atol=5e-13)
     (tmp_path / "wheel.txt").write_text("0.5\n" * 71, encoding="utf-8")
     train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "plain.txt", "Wheel 1 [14]": tmp_path / "wheel.txt"})
     assert train.meshes[0].driving_pitch_error and train.meshes[0].driven_pitch_error == pytest.approx([0.5e-6 * cosine] * 71)

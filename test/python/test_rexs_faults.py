@@ -267,7 +267,7 @@ def outcome(path):
     ("mesh 1 driving", "1;0.5;\n2;;\n", [":2: error: '2;;': a number is missing"]),
     ("mesh 1 driving", "1 0.5\n2\n", [":2: error: '2': has 1 numbers, and line 1 has 2"]),
     ("mesh 1 driving", "1;0.5\n2;n/a\n", [":2: error: '2;n/a': must be a pitch error"]),
-    ("mesh 1 driving", "tooth;Fp left;Fp right\n1;1;1\n", [":1: error: 'Fp left' and 'Fp right': must be one column"]),
+    ("mesh 1 driving", "tooth;Fp left;Fp right\n1;1;1\n", [":1: error: 'Fp left' and 'Fp right': must be one column", "#Fp left"]),
     ("mesh 1 driving", "tooth;fp\n1;1\n2;2\n", ["single pitch errors sum to 3: must be 0 round the revolution"]),
     ("mesh 1 driving", "1 0.5\n3 0.5\n", [":2: error: tooth '3': must be 2"]),
     ("mesh 1 driving", "0 0.5\n2 0.5\n", [":1: error: tooth '0': must be 1"]),
@@ -275,10 +275,17 @@ def outcome(path):
     ("mesh 1 driving", "0.5\n1500\n", [":2: error: '1500' um: must be at most 1 mm; a heading"]),
     ("mesh 1 driving", "error [m]\n5\n", [":2: error: '5' m: must be at most 1 mm"]),
     ("mesh 1 driving", "0\n0.019\n-0.002\n", ["error: the errors differ by 0.021 um: must be at least 0.5 um; a heading"]),
-    ("mesh 1 driving", "error [inch]\n5\n", [":1: error: unit 'inch': must be [um], [mm], [nm] or [m]"]),
-    ("mesh 1 driving", "tooth;error in inch\n1;5\n", [":1: error: unit 'inch'"]),
-    ("mesh 1 driving", "tooth;error (mil)\n1;5\n", [":1: error: unit 'mil'"]),
-    ("mesh 1 driving", "# [um]\n# [mm]\n5\n", [":2: error: unit 'mm'"]),
+    ("mesh 1 driving", "error [inch]\n5\n", [":1: error: unit 'inch': must be um, mm, nm or m"]),
+    *(("mesh 1 driving", f"tooth;{heading}\n1;5\n", [f":1: error: unit {unit!r}"]) for heading, unit in (
+        ("error in inch", "inch"), ("Fp (mils)", "mils"), ("Fp (0.0001 in)", "0.0001 in"), ("Fp [0.1 um]", "0.1 um"), ("Fp/3", "3"),
+        ('Fp (")', '"'), ("Fp in Winkelsekunden", "Winkelsekunden"), ("Fp (urad)", "urad"))),
+    *(("mesh 1 driving", f"tooth;{heading} [um]\n1;5\n", [f":1: error: heading '{heading} [um]': {word!r}: must say pitch errors"])
+      for heading, word in (("Fpt", "Fpt"), ("FP", "FP"), ("Fpk", "Fpk"), ("Fr", "Fr"), ("fu", "fu"), ("Rundlauf", "Rundlauf"),
+                            ("Total profile deviation", "profile"))),
+    ("mesh 1 driving", "Tooth No. fp [mm]\n1 5\n", [":1: error: 'Tooth No. fp [mm]': must have a heading for each of 2 columns"]),
+    ("mesh 1 driving#Fr", "tooth;Fp;fp\n1;5;5\n", ["column 'Fr': must be the heading of one column of 'Fp', 'fp'"]),
+    ("mesh 1 driving", "# [um]\n# [mm]\ntooth;Fp\n1;5\n", [":2: error: unit 'mm': another line has 'um'"]),
+    ("mesh 1 driving", "# [0.1 um]\ntooth;Fp\n1;5\n", [":1: error: unit '0.1 um'"]),
     ("mesh 1 driving", "\n# nothing\n", ["table.txt: error: has no numbers"]),
     ("mesh 1 driving", b"0.5\n\x81\n", [":2: error: no text in UTF-8, UTF-16 or Windows-1252"]),
     ("mesh 1 driving", b"0.5\n\0\n", [":2: error: no text in UTF-8, UTF-16 or Windows-1252"]),
@@ -289,6 +296,8 @@ def test_a_table_of_pitch_errors_that_cannot_be(tmp_path, gear, text, words):
     path = tmp_path / "table.txt"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
     file = two_stages().write(tmp_path / "gearbox.rexs")
+    gear, _, column = gear.partition("#")
+    path = f"{path}#{column}" if column else path
     with pytest.raises(gt.InputError) as caught:
         gt.read_rexs(file, pitch_errors={gear: path})
     assert [word for word in words if word not in str(caught.value)] == [], str(caught.value)

@@ -110,6 +110,21 @@ def test_steps_against_the_transform_of_the_trapezoid():
         assert told["error_mean"] == pytest.approx(mean, rel=1e-9)
 
 
+def test_steps_of_helical_teeth_are_averaged_over_the_face():
+    """The ends of the face are the overlap ratio apart: the mean of trapezoids between, by the middle of 100 slices."""
+    bodies = [gt.Body(name="a", inertia=1e-3, torque=100.0), gt.Body(name="b", inertia=2e-3, balances=True)]
+    mesh = gt.Mesh(between=("a", "b"), teeth=(TEETH, 31), normal_module=3e-3, helix_angle=20.0, face_width=40e-3,
+                   driving_pitch_error=PITCH, pitch_error_form="steps")
+    told = gt.Train(bodies=bodies, meshes=[mesh]).explain()["mesh 1"]
+    assert told["overlap_ratio"] > 1
+    window = trapezoid(told["contact_ratio"])
+    slices = told["overlap_ratio"] * ((np.arange(100) + 0.5) / 100 - 0.5)
+    mean, amplitude = windows(PITCH, lambda x: sum(window(x + shift) for shift in slices) / 100, 5 * TEETH)
+    assert told["driving_error_cos"] == pytest.approx(amplitude.real, abs=3e-5 * abs(PITCH).max())
+    assert told["driving_error_sin"] == pytest.approx(-amplitude.imag, abs=3e-5 * abs(PITCH).max())
+    assert told["error_mean"] == pytest.approx(mean, rel=1e-9)
+
+
 @pytest.mark.parametrize("errors, words", [
     ({"driving_tooth_stiffness": [1.0] * 3}, "must have a value for each of the 20 teeth"),
     ({"driving_tooth_stiffness": [0.0] * TEETH}, "no tooth bears"),

@@ -9,22 +9,15 @@ from decimal import Decimal
 from typing import NamedTuple
 
 from ..errors import InputError, shown
+from .pitch_heading import UNITS, is_unit, kind_of, read_heading, unit_of, unit_of_comment
 from .text_file import decoded, read_bytes
 
 __all__ = ["PitchTable", "read_pitch_table"]
 
 #: Largest file [bytes]: a gear of 100,000 teeth.
 _LARGEST = 4 * 2**20
-#: Units that a heading may name [m], and some that it may not.
-_UNITS = {**dict.fromkeys(("um", "\N{MICRO SIGN}m", "\N{GREEK SMALL LETTER MU}m", "mum"), 1e-6), "mm": 1e-3, "nm": 1e-9, "m": 1.0}
-_REFUSED = {"cm", "inch", "in", "zoll", "mil", "thou", "uin", "deg", "rad", "mrad", "urad", "arcsec", "arcmin", "\N{DEGREE SIGN}"}
 #: Larger errors, and errors of a smaller range, are a mistake of the unit [m]: class 1 of ISO 1328-1 allows a micrometre and more.
 _MOST, _LEAST = 1e-3, 0.5e-6
-#: Headings of columns, without spaces and underscores: Fp and fp of ISO 1328-1, or words.
-_CUMULATIVE = re.compile(r"Fp|(?i:.*(cumul|accumul|total|summe|gesamt))")
-_SINGLE = re.compile(r"fp|(?i:.*(single|individual|adjacent|einzel))")
-
-
 class PitchTable(NamedTuple):
     """Cumulative errors [m], a tooth a value; the last line of them; what was assumed."""
 
@@ -46,29 +39,33 @@ def read_pitch_table(path: str | os.PathLike[str]) -> PitchTable:
 
     Between numbers stand commas, semicolons, tabs or spaces; with all but commas alone a comma is a decimal comma. Text may stand
     before and after the numbers. The heading of the column, or a comment ``#``, may have the unit; else it is um. Of several
-    columns that of cumulative errors counts by its heading, ``Fp``; single pitch errors, ``fp``, are summed.
+    columns that of cumulative errors counts by its heading, ``Fp``; single pitch errors, ``fp``, are summed. ``table.txt#Fp left``
+    names a column by its heading.
     """
-    name = os.fspath(path)
-    lines = decoded(name, read_bytes(path, _LARGEST)).splitlines()
+    name, wanted = os.fspath(path), ""
+    if "#" in name and not os.path.exists(name):
+        name, _, wanted = name.rpartition("#")
+    lines = decoded(name, read_bytes(name, _LARGEST)).splitlines()
     rows, heads = _rows(name, lines)
-    columns = _headings(lines, rows[0], heads)
-    place, single = _column(name, rows, heads, columns)
-    if single is None:  # a line of text before the numbers may say it
-        told = [_squeezed(word) for line in heads for word in lines[line - 1].split()]
-        single = any(map(_SINGLE.match, told)) and not any(map(_CUMULATIVE.match, told))
-    unit = _unit_of(name, heads[-1], columns[place]) if columns[place] else None
-    for line in heads if unit is None else []:
-        if (line == heads[-1] and not any(columns)) or re.match(r"\s*(#|unit|einheit)", lines[line - 1], re.IGNORECASE):
-            found = _unit_of(name, line, lines[line - 1])
-            if found and unit and found != unit:
-                raise InputError(f"{name}:{line}: error: unit {shown(found)}: another line has {shown(unit)}")
-            unit = found or unit
-    values = [row.values[place] * _UNITS[unit or "um"] for row in rows]
+    columns = _headings(name, lines, rows[0], heads)
+    place = _column(name, rows, heads, columns, wanted)
+    kind, unit = read_heading(f"{name}:{heads[-1] if heads else 1}", columns[place])
+    comments = [line for line in heads if re.match(r"(?i)\s*(#|unit|einheit)", lines[line - 1])]
+    for line in comments if unit is None else []:
+        found = unit_of_comment(f"{name}:{line}", lines[line - 1])
+        if found and unit and found != unit:
+            raise InputError(f"{name}:{line}: error: unit {shown(found)}: another line has {shown(unit)}")
+        unit = found or unit
+    if kind == 0 and any(re.search(r"(?i)(single|individual|adjacent) pitch|einzelteilung", lines[line - 1]) for line in comments):
+        kind = 2
+    values = [row.values[place] * UNITS[unit or "um"] for row in rows]
     assumed = [] if unit else ["in um, as no heading has a unit"]
-    if single:
+    if kind == 2:
         values = _summed(name, rows, place, values)
         assumed.append("single pitch errors, summed from tooth 1 on")
-    _check_size(name, rows, place, values, unit, assumed)
+    elif kind == 0:
+        assumed.append("cumulative, as no heading has 'fp' or 'single'")
+    _check_size(name, rows, place, values, unit)
     return PitchTable(values, rows[-1].line, assumed)
 
 
@@ -110,8 +107,10 @@ def _separator(line: str) -> str:
 def _cells(line: str, separator: str) -> list[str]:
     """The words of a line, of which the last may be followed by a separator."""
     if separator in ("", " "):
-        return line.split() or [""]
-    words = [word.strip() for word in line.strip(" ").split(separator)]
+        words = line.split() or [""]
+    else:
+        words = line.strip(" ").split(separator)
+    words = [word.strip().strip("\"'").replace("\N{MINUS SIGN}", "-") for word in words]
     return words[:-1] if len(words) > 2 and not words[-1] else words
 
 
@@ -122,43 +121,59 @@ def _has_decimal_commas(lines: Sequence[str]) -> bool:
     return bool(pairs) and [pair[1] for pair in pairs] not in teeth and not any(_separator(line) in ";\t" for line in lines)
 
 
-def _headings(lines: Sequence[str], first: _Row, heads: Sequence[int]) -> list[str]:
-    """The headings of columns: the last line of text before the numbers, where it has as many; else each is ''."""
-    none = [""] * len(first.values)
-    if not heads:
-        return none
-    line = lines[heads[-1] - 1].lstrip("# ")
-    separator = _separator(lines[first.line - 1])
-    found = re.findall(r"[^\s\[(]+(?:\s*\[[^]]*\]|\s*\([^)]*\)|\s+in\s+\S+|\s*/\s*\S+)?", line) if separator == " " else \
-        _cells(line, separator) if len(none) > 1 else [line]
-    if len(none) == 1 and len(found) > 1:
-        found = [line]
-    return found if len(found) == len(none) else none
+def _headings(name: str, lines: Sequence[str], first: _Row, heads: Sequence[int]) -> list[str]:
+    """The headings of columns: the last line of text before the numbers, above which a line of units may stand; else each is ''."""
+    count = len(first.values)
+    found = [_split(lines[line - 1], _separator(lines[first.line - 1]), count) for line in heads[-2:]]
+    if not found or not any(found[-1]):
+        text = lines[heads[-1] - 1] if heads else ""
+        if not text.lstrip().startswith("#") and any(is_unit(word) or re.fullmatch(r"[Ff]_?p\w*", word)
+                                                     for word in re.split(r"[\s;,()\[\]/]+", text)):
+            raise InputError(f"{name}:{heads[-1]}: error: {shown(text.strip())}: must have a heading for each of {count} columns, "
+                             "parted as the numbers are")
+        return [""] * count
+    units = [unit_of(cell.strip("[]() ")) or "" for cell in found[-1]]
+    if len(found) > 1 and any(found[0]) and all(unit or cell in ("", "-", "[-]") for unit, cell in zip(units[1:], found[-1][1:])):
+        return [f"{above} [{unit}]" if unit else above for above, unit in zip(found[0], units)]
+    return found[-1]
 
 
-def _squeezed(heading: str) -> str:
-    return re.sub(r"[\s_'\"#]", "", heading)
+def _split(line: str, separator: str, count: int) -> list[str]:
+    """The cells of a line of headings, where it has as many; else each is ''."""
+    line = line.lstrip("# ")
+    if count == 1:
+        return [line.strip().strip("\"'").rstrip(";,")]
+    words = re.findall(r"[^\s\[(]+(?:\s*\[[^]]*\]|\s*\([^)]*\)|\s+in\s+\S+|\s*/\s*\S+)?", line)
+    ways = [_cells(line, mark) for mark in (separator, ";", "\t", ",") if mark != " "]
+    return next((way for way in [*ways, words] if len(way) == count and _number(way[-1]) is None), [""] * count)
 
 
-def _column(name: str, rows: Sequence[_Row], heads: Sequence[int], columns: Sequence[str]) -> tuple[int, bool | None]:
-    """Place of the column of errors, and whether they are of single pitches; None where its heading does not say."""
-    kinds = [1 if _CUMULATIVE.match(_squeezed(column)) else 2 if _SINGLE.match(_squeezed(column)) else 0 for column in columns]
+def _column(name: str, rows: Sequence[_Row], heads: Sequence[int], columns: Sequence[str], wanted: str) -> int:
+    """Place of the column of errors."""
+    kinds = [kind_of([re.sub(r"\W.*", "", word) for word in column.split()]) for column in columns]
+    line = heads[-1] if heads else rows[0].line
     places = list(range(len(columns)))
     if len(columns) > 1 and not kinds[0]:
         _check_teeth(name, rows)
         places = places[1:]
+    if wanted:
+        found = [place for place in places if " ".join(columns[place].split()).lower().startswith(" ".join(wanted.split()).lower())]
+        if len(found) != 1:
+            raise InputError(f"{name}:{line}: error: column {shown(wanted)}: must be the heading of one column of "
+                             f"{', '.join(shown(columns[place]) for place in places)}")
+        return found[0]
     for kind in (1, 2):
         found = [place for place in places if kinds[place] == kind]
         if len(found) > 1:
             told = " and ".join(shown(columns[place]) for place in found)
-            raise InputError(f"{name}:{heads[-1]}: error: {told}: must be one column of {'cumulative' if kind == 1 else 'single'} "
-                             "pitch errors, that of the flank that bears")
+            raise InputError(f"{name}:{line}: error: {told}: must be one column of {'cumulative' if kind == 1 else 'single'} pitch "
+                             f"errors, that of the flank that bears: {os.path.basename(name)}#{columns[found[0]]} names one")
         if found:
-            return found[0], kind == 2
+            return found[0]
     if len(places) > 1:
         raise InputError(f"{name}:{rows[0].line}: error: {shown(' '.join(rows[0].words))}: must be a pitch error, or the number of "
                          "a tooth and its error; of more columns a heading 'Fp' (cumulative) or 'fp' (single) says which")
-    return places[0], None
+    return places[0]
 
 
 def _check_teeth(name: str, rows: Sequence[_Row]) -> None:
@@ -168,17 +183,6 @@ def _check_teeth(name: str, rows: Sequence[_Row]) -> None:
         if row.values[0] != place:
             raise InputError(f"{name}:{row.line}: error: tooth {shown(row.words[0])}: must be {place}: all teeth in their order; "
                              "where a comma is a decimal comma, semicolons or spaces part the numbers")
-
-
-def _unit_of(name: str, line: int, text: str) -> str | None:
-    """The unit that a text has in brackets, after 'in', 'unit' or '/'; None where it has none."""
-    bracketed = re.findall(r"\[\s*([^\]\d]+?)\s*\]", text)  # a number in brackets is that of a component
-    others = [next(filter(None, words)) for words in
-              re.findall(r"\(\s*([^)\s]+?)\s*\)|\bin\s+(\S+)\s*$|/\s*(\S+)\s*$|(?i:unit|einheit)[\s:;=,\t]+(\S+)", text)]
-    found = [*bracketed, *(word for word in others if word in _UNITS or word.lower() in _REFUSED)]
-    if any(word not in _UNITS for word in found) or len({*found}) > 1:
-        raise InputError(f"{name}:{line}: error: unit {shown(' and '.join(found))}: must be [um], [mm], [nm] or [m], once")
-    return found[0] if found else None
 
 
 def _summed(name: str, rows: Sequence[_Row], place: int, values: list[float]) -> list[float]:
@@ -196,19 +200,15 @@ def _summed(name: str, rows: Sequence[_Row], place: int, values: list[float]) ->
     return found
 
 
-def _check_size(
-    name: str, rows: Sequence[_Row], place: int, values: Sequence[float], unit: str | None, assumed: list[str],
-) -> None:
+def _check_size(name: str, rows: Sequence[_Row], place: int, values: Sequence[float], unit: str | None) -> None:
     """Errors that are too large or too small for a gear are in another unit."""
     hint = "" if unit else "; a heading with [um], [mm] or [m] gives the unit"
     for row, value in zip(rows, values):
         if abs(value) > _MOST:
             raise InputError(f"{name}:{row.line}: error: {shown(row.words[place])} {unit or 'um'}: must be at most 1 mm{hint}")
     spread = max(values) - min(values)
-    if 0 < spread < _LEAST and not unit:
-        raise InputError(f"{name}: error: the errors differ by {1e6 * spread:.3g} um: must be at least {1e6 * _LEAST:g} um{hint}")
     if 0 < spread < _LEAST:
-        assumed.append(f"errors that differ by {1e6 * spread:.3g} um alone: smaller than any class of ISO 1328-1 allows")
+        raise InputError(f"{name}: error: the errors differ by {1e6 * spread:.3g} um: must be at least {1e6 * _LEAST:g} um{hint}")
 
 
 def _number(word: str) -> float | None:

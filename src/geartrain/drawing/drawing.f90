@@ -121,11 +121,12 @@ contains
       type(gear_pair_type) :: pair
       type(pair_geometry_type) :: geometry
       type(pair_stiffness_type) :: stiffness
-      real(dp) :: mean, smoothing
+      real(dp) :: mean, smoothing, overlap
       integer :: h
 
       derived = plain
       smoothing = 0
+      overlap = 0
       if (mesh%pitch_error_form == 'steps') smoothing = mesh%contact_ratio
       if (has_geometry(mesh)) then
          pair = pair_of(mesh)
@@ -135,6 +136,7 @@ contains
          if (.not. abs(mesh%half_backlash) > 0) derived%half_backlash = geometry%half_backlash
          if (mesh%contact_ratio > 0) geometry%contact_ratio = mesh%contact_ratio
          if (mesh%pitch_error_form == 'steps') smoothing = geometry%contact_ratio
+         overlap = geometry%overlap_ratio
          if (has_stiffness(mesh)) then
             call find_stiffness(pair, geometry, 0.0_dp, stiffness)
             derived%stiffness = stiffness%mesh*mesh%face_width
@@ -150,7 +152,7 @@ contains
          if (size(derived%teeth) == 2) then
             do h = 1, 2
                call make_plain(derived%gear_error(h), max(1.0_dp, derived%teeth(h)), derived%phase, smoothing, &
-                               derived%stiffness_harmonics, mean)
+                               overlap, derived%stiffness_harmonics, mean)
                derived%error_mean = derived%error_mean + mean
             end do
          end if

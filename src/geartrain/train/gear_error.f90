@@ -116,15 +116,15 @@ contains
 
    !> Replaces what is given of each tooth, and runout, by harmonics: tooth j has its pitch error at the beginning of mesh cycle j
    !> of the revolution.
-   pure subroutine make_plain(error, teeth, phase, contact_ratio, cycle_harmonics, mean)
+   pure subroutine make_plain(error, teeth, phase, contact_ratio, overlap_ratio, cycle_harmonics, mean)
       !> Errors of a gear as given; gets amplitudes alone.
       type(gear_error_type), intent(inout) :: error
       !> Number of teeth of the gear, which may still be out of range.
       real(dp), intent(in) :: teeth
       !> Lag of the mesh [rad of the mesh cycle].
       real(dp), intent(in) :: phase
-      !> Contact ratio over which pitch errors as steps are smoothed [1], 0: a polynomial joins them.
-      real(dp), intent(in) :: contact_ratio
+      !> Transverse contact ratio and overlap ratio over which pitch errors as steps are smoothed [1], 0: a polynomial joins them.
+      real(dp), intent(in) :: contact_ratio, overlap_ratio
       !> Harmonics of the mesh cycle up to which steps are taken.
       integer, intent(in) :: cycle_harmonics
       !> Mean of the pitch errors [m].
@@ -144,7 +144,8 @@ contains
       if (allocated(error%pitch)) then
          associate (n => size(error%pitch))
             if (n > 0 .and. contact_ratio > 0) then
-               call window_harmonics(error%pitch, step(cycle_harmonics*n, real(n, dp), contact_ratio), mean, cosine, sine)
+               call window_harmonics(error%pitch, step(cycle_harmonics*n, real(n, dp), contact_ratio, overlap_ratio), mean, &
+                                     cosine, sine)
             else if (n > 0) then
                call table_harmonics(error%pitch, mean, cosine, sine)
             end if
@@ -179,14 +180,15 @@ contains
       end do
    end function blend
 
-   !> Fourier transform of a step of one mesh cycle, smoothed over the share contact_ratio - 1 of it, in which two teeth bear.
-   pure function step(highest, teeth, contact_ratio) result(transform)
+   !> Fourier transform of a step of one mesh cycle, smoothed over the share contact_ratio - 1 of it, in which two teeth bear, and
+   !> averaged over the face, whose ends are overlap_ratio cycles apart.
+   pure function step(highest, teeth, contact_ratio, overlap_ratio) result(transform)
       integer, intent(in) :: highest
-      real(dp), intent(in) :: teeth, contact_ratio
+      real(dp), intent(in) :: teeth, contact_ratio, overlap_ratio
       real(dp) :: transform(highest)
       integer :: h
 
-      transform = [(sinc(h/teeth)*sinc((contact_ratio - 1)*h/teeth), h=1, highest)]
+      transform = [(sinc(h/teeth)*sinc((contact_ratio - 1)*h/teeth)*sinc(overlap_ratio*h/teeth), h=1, highest)]
    end function step
 
    !> sin(pi x)/(pi x).

@@ -280,7 +280,8 @@ contains
       call visit_gear_error(mesh%gear_error(2), 2, v)
       word = trim(mesh%pitch_error_form)
       call v%on_text(row('pitch_error_form', '', 'polynomial through the pitch errors, or steps from tooth to tooth, smoothed over &
-                         &the time in which two pairs bear by the contact ratio, which must be known', &
+                         &the time in which two pairs bear by the contact ratio, which must be known, and over the face of helical &
+                         &teeth', &
                          choices='polynomial steps'), word)
       mesh%pitch_error_form = word
       call v%on_real(row('line_of_action', 'degree', 'of bodies on bearings: direction in which the driving gear pushes the driven &
