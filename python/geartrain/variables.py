@@ -64,10 +64,12 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "pressure_angle": Variable("pressure_angle", "real", "float", 20.0, False, "Normal pressure angle of the basic rack; [degree]; 10 to 35"),
         "helix_angle": Variable("helix_angle", "real", "float", 0.0, False, "Helix angle at the reference circle; [degree]; 0 to 60"),
         "face_width": Variable("face_width", "real", "float", None, False, "Common face width of the gears; [m]; > 0"),
+        "ring_face_width": Variable("ring_face_width", "real", "float", None, False, "Common face width of planets and ring, where it is not face_width; [m]; > 0"),
         "profile_shift": Variable("profile_shift", "reals", "Series", None, False, "Profile shift coefficients of sun, planet and ring, as of a mesh; -2 to 2"),
         "centre_distance": Variable("centre_distance", "real", "float", None, False, "Distance of the axes of sun and planets; default: the flanks touch without backlash; [m]; > 0"),
         "tip_diameter": Variable("tip_diameter", "reals", "Series", None, False, "Tip diameters of sun, planet and ring, as of a mesh; [m]; > 0"),
         "dedendum": Variable("dedendum", "real", "float", 1.25, False, "Dedendum of the basic rack over the module; 1 to 2"),
+        "elastic_modulus": Variable("elastic_modulus", "reals", "Series", None, False, "Moduli of elasticity of sun, planet and ring; none: steel, 2.06e11; [N/m^2]; > 0"),
         "planet_inertia": Variable("planet_inertia", "real", "float", None, False, "Polar moment of inertia of a planet; default: of a disc of its pitch diameter, with face_width, planet_bore and density; [kg m^2]; > 0"),
         "planet_mass": Variable("planet_mass", "real", "float", None, False, "Mass of a planet; at the centre distance the masses of all planets add to the inertia of the carrier. Default: of the disc; 0 without face_width; [kg]; >= 0"),
         "planet_bore": Variable("planet_bore", "real", "float", 0.0, False, "Bore of the planets; [m]; >= 0"),
@@ -158,7 +160,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "driven_runout_phase": Variable("driven_runout_phase", "real", "float", 0.0, False, "As driving_runout_phase, of the driven gear; [rad]"),
         "driven_error_cos": Variable("driven_error_cos", "reals", "Series", None, False, "As driving_error_cos, of the driven gear; [m]; -1 to 1"),
         "driven_error_sin": Variable("driven_error_sin", "reals", "Series", None, False, "Sine amplitudes, orders 1, 2, ...; [m]; -1 to 1"),
-        "pitch_error_form": Variable("pitch_error_form", "text", "Literal['polynomial', 'steps']", "polynomial", False, "Polynomial through the pitch errors, or steps from tooth to tooth, smoothed over the time in which two pairs bear by the contact ratio, which must be known; 'polynomial' or 'steps'"),
+        "pitch_error_form": Variable("pitch_error_form", "text", "Literal['polynomial', 'steps']", "polynomial", False, "Polynomial through the pitch errors, or steps from tooth to tooth, smoothed over the time in which two pairs bear by the contact ratio, which must be known, and over the face of helical teeth; 'polynomial' or 'steps'"),
         "line_of_action": Variable("line_of_action", "real", "float", 0.0, False, "Of bodies on bearings: direction in which the driving gear pushes the driven gear, from the x axis towards the y axis; default: from the positions of the axes; [degree]; -360 to 360"),
         "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, m_n; 0: from the teeth where every mesh has them, else 1; 1 to 1.0e6, or 0"),
     },
@@ -336,10 +338,12 @@ class Planetary(Part, variables=VARIABLES["planetary"]):
     pressure_angle: float | None = None
     helix_angle: float | None = None
     face_width: float | None = None
+    ring_face_width: float | None = None
     profile_shift: Series | None = None
     centre_distance: float | None = None
     tip_diameter: Series | None = None
     dedendum: float | None = None
+    elastic_modulus: Series | None = None
     planet_inertia: float | None = None
     planet_mass: float | None = None
     planet_bore: float | None = None

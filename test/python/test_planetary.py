@@ -180,6 +180,19 @@ def test_harmonics_that_drive_torsion(planets, teeth, phasing):
     assert told["mesh_frequency"] == pytest.approx(teeth[0] * teeth[2] / (teeth[0] + teeth[2]), rel=1e-14)
 
 
+def test_face_widths_and_moduli_of_each_gear():
+    """c' of ISO 6336-1 goes with 2 E_1 E_2/(E_1 + E_2), and a mesh with its own face width."""
+    drawn = {"stiffness": None, "half_backlash": None, "backlash": 6e-5, "face_width": 0.05}
+    plain, narrow = (short((20, 22, 64), **drawn, **more).explain() for more in ({}, {"ring_face_width": 0.04}))
+    assert narrow["mesh 1"]["stiffness"] == plain["mesh 1"]["stiffness"]
+    assert narrow["mesh 4"]["stiffness"] == pytest.approx(0.8 * plain["mesh 4"]["stiffness"], rel=1e-12)
+    iron = short((20, 22, 64), **drawn, elastic_modulus=[2.06e11, 1.1e11, 1.7e11]).explain()
+    steel = 2.06e11
+    for mesh, (one, other) in (("mesh 1", (steel, 1.1e11)), ("mesh 4", (1.1e11, 1.7e11))):
+        share = 2 * one * other / (one + other) / steel
+        assert iron[mesh]["single_stiffness"] == pytest.approx(share * plain[mesh]["single_stiffness"], rel=1e-12)
+
+
 def test_masses_of_planets_add_to_the_carrier():
     told = short(planet_mass=1.5).explain()["arm"]
     assert told["added_inertia"] == pytest.approx(3 * 1.5 * 0.078**2, rel=1e-12)
@@ -201,6 +214,8 @@ def test_masses_of_planets_add_to_the_carrier():
         ({"planets": 6}, "planets = 6: overlap: the tip diameter of 0.096 m .*, 0.078 m"),
         ({"planets": None, "angles": (0.0, 120.0, 239.0)}, "angles value 3 = 239.0: cannot be assembled: .* the nearest is 240"),
         ({"tip_diameter": (0.073, 0.09, 0.24)}, "sun meshes: teeth = 17, 22: must give a transverse contact ratio > 1"),
+        ({"ring_face_width": 0.04}, "lacks face_width .* beside ring_face_width"),
+        ({"elastic_modulus": (2e11, 2e11)}, "elastic_modulus = 2 values: must be 3 values"),
         ({"stiffness": (1.0, 2.0, 3.0)}, "stiffness = 3 values: must be 2 values"),
         ({"planet_errors": (0.0, 2e-6, 3.0)}, "planet_errors value 3 = 3.0: must be smaller than the module, 0.004 m"),
         ({"planets": None}, "lacks planets"),

@@ -146,7 +146,7 @@ def test_positions_count_before_coordinates(tmp_path):
 # Planetary stages.
 
 def test_a_planetary_stage_is_a_set(tmp_path):
-    read = gt.read_rexs(planetary().write(tmp_path / "set.rexs"))
+    read = gt.read_rexs(planetary().change("Ring [", face_width=("mm", 40.0)).write(tmp_path / "set.rexs"))
     mass = pi / 4 * DENSITY * (50 * (40**2 - 30**2) + 50 * (88**2 - 40**2)) * 1e-9
     pins = pi / 4 * DENSITY * 60 * 20**2 * 1e-9 * 0.078**2 + inertia((20, 0, 60))
     sides = [1e-6 * (105 + 105), 1e-6 * (105 + 140)]  # at reference diameters of 68, 88 and 244 mm
@@ -159,13 +159,22 @@ def test_a_planetary_stage_is_a_set(tmp_path):
         shafts=[gt.Shaft(between=("motor", "sun"), stiffness=stiffness((34, 0, 115)), damping_ratio=0.01),
                 gt.Shaft(between=("carrier", "machine"), stiffness=stiffness((80, 60, 90)), damping_ratio=0.01)],
         planetaries=[gt.Planetary(name="set", sun="sun", ring="ring", carrier="carrier", teeth=[17, 22, 61], planets=3,
-                                  normal_module=4e-3, face_width=0.05, centre_distance=0.078, backlash=sides,
+                                  normal_module=4e-3, face_width=0.05, ring_face_width=0.04, elastic_modulus=[2.1e11] * 3,
+                                  centre_distance=0.078, backlash=sides,
                                   damping_ratio=[0.05], planet_mass=mass, planet_inertia=inertia((40, 30, 50), (88, 40, 50)))])
-    # Meshes of steel of 2.06e11 N/m^2, as of &planetary, which has no other; the rest is rounding.
     assert np.allclose(read.natural_frequencies(), typed.natural_frequencies(), rtol=1e-11)
     ours, theirs = (train.response(start=1500.0, stop=1499.0, harmonics=1).mesh_force_maximum for train in (read, typed))
     # The bodies stand in another order, so that sums are rounded otherwise.
     assert np.allclose(ours[0], theirs[0], rtol=1e-9)
+
+
+def test_planets_of_unlike_widths_are_no_set(tmp_path):
+    box = planetary()
+    row = next(row for row in box.components if row[2].startswith("Planet [") and row[1] == "cylindrical_gear")
+    box.components[row[0] - 1] = *row[:3], {**row[3], "face_width": ("mm", 20.0)}
+    read = gt.read_rexs(box.write(tmp_path / "set.rexs"))
+    assert said(read.notes, "assumed", "no set of equal planets with one gear each")
+    assert sorted(mesh.face_width for mesh in read.meshes) == [0.02] * 2 + [0.05] * 4
 
 
 @pytest.mark.parametrize(("angles", "written"), [([0.0, 120.0, 240.0], "planets = 3"), ([0.0, 115.0, 240.0], "angles = "),
@@ -229,16 +238,16 @@ def test_what_rexs_lacks_is_asked_for(tmp_path):
     ("Input", {"rotational_speed": ("", 1500.0)}, "assumed", "in 1 / min, the unit of the standard, as it has none"),
     ("Stage 1", {"center_distance": None}, "assumed", "centre distance 122 mm, by the positions of the gears"),
     ("Steel", {"density": None}, "missing", "density; that of steel"),
+    ("Steel", {"poisson_ratio": ("none", 3.0)}, "assumed", "a Poisson's ratio of 3 is none of a solid; 0.3 (steel)"),
+    ("Wheel 1", {"face_width": None}, "missing", "face width; 42 mm, that of its mate"),
+    ("Pinion 1", {"tip_diameter": ("mm", 65.0)}, "missing", "Wheel 1 [14]: tip diameter; those of the pair are of the basic rack"),
     ("Motor", {"torque_around_u_axis": None}, "missing", "at which the most loaded mesh has 100 N/mm"),
     ("Input", {"rotational_speed": None}, "missing", "speed of the gearbox (defines_speed, rotational_speed), so no &response"),
-    ("Machine", {"torque_around_u_axis": ("N m", -900.0)}, "not used", "external_load"),
+    ("Machine", {"torque_around_u_axis": ("N m", -900.0)}, "not used", "its torque of -900 N m: -1169.79 N m balances the others"),
 ])
 def test_a_note_says_what_was_assumed(tmp_path, name, attributes, kind, words):
     notes = notes_of(two_stages().change(name + " [", **attributes), tmp_path)
-    if name == "Machine":  # a torque that does not define anything is a result, which balances
-        assert not said(notes, "missing", "torque")
-    else:
-        assert said(notes, kind, words)
+    assert said(notes, kind, words)
     assert not said(notes, "missing", "torque; 0")
 
 
@@ -256,6 +265,19 @@ def test_backlash_normal_to_the_flanks(tmp_path):
     half = read.explain()["mesh 1"]["half_backlash"]  # in the transverse plane of action
     base_helix = np.arcsin(np.sin(radians(15)) * cos(radians(20)))
     assert 2 * half * np.cos(base_helix) == pytest.approx(150e-6, rel=1e-12)
+
+
+def test_a_train_without_torques_is_driven_where_its_speed_is_given(tmp_path):
+    read = gt.read_rexs(two_stages(torque=False).change("Motor", defines_torque=None).write(tmp_path / "a.rexs"))
+    assert read.body_labels[0].startswith("Motor") and read.bodies[0].torque > 0
+    assert [body.name for body in read.bodies if body.balances] == ["Machine [26]"]
+    assert read.meshes[0].between == ("Pinion 1 [11]", "Wheel 1 [14]")
+
+
+def test_a_rim_without_width_has_that_of_its_mate(tmp_path):
+    whole, lacking = (gt.read_rexs(two_stages().change("Wheel 1 [", face_width=width).write(tmp_path / "a.rexs")).explain()
+                      for width in (("mm", 42.0), None))
+    assert lacking["Wheel 1 [14]"]["inertia"] == pytest.approx(whole["Wheel 1 [14]"]["inertia"], rel=1e-12)
 
 
 def test_a_profile_shift_of_zero_that_cannot_be(tmp_path):

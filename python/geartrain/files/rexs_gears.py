@@ -12,8 +12,10 @@ from .rexs_file import Component
 from .rexs_shaft import material_of, modulus_of
 from .rexs_source import Source
 
-__all__ = ["Entry", "Gear", "Pair", "read_pairs"]
+__all__ = ["STEEL", "Entry", "Gear", "Pair", "read_pairs"]
 
+#: Modulus of elasticity where a gear has none [N/m^2], as of a mesh.
+STEEL = 2.06e11
 #: Tooth thickness where a file has none: what most files of the standard have.
 _SERIES = "c25"
 #: Sum of profile shifts that a centre distance may differ by: more than any backlash of DIN 3967.
@@ -267,20 +269,27 @@ def _width(source: Source, stage: Component, gears: tuple[Gear, Gear]) -> Entry 
     if not widths:
         source.wrong(stage, "no face width: face_width of a gear is missing")
         return None
-    return Entry(min(widths), " and ".join(str(gear.component) for gear in gears) + ", the smaller one")
+    for gear in gears:
+        if gear.width is None:
+            source.note("missing", f"face width; {1e3 * min(widths):g} mm, that of its mate", gear.component)
+    known = " and ".join(str(gear.component) for gear in gears if gear.width is not None)
+    return Entry(min(widths), known + (", the smaller one" if len(widths) > 1 else ""))
 
 
 def _tips(source: Source, gears: tuple[Gear, Gear], shifts: tuple[float, float]) -> tuple[float, float] | None:
     """Tip diameters; None where one is missing or cannot be."""
     for gear, shift in zip(gears, shifts):
-        if gear.tip is None:
-            return None
         usual = gear.reference + (-2 if gear.internal else 2) * gear.module
-        if abs(gear.tip - usual) > (0.9 + 2 * abs(shift)) * gear.module:
+        if gear.tip is not None and abs(gear.tip - usual) > (0.9 + 2 * abs(shift)) * gear.module:
             source.note("assumed", f"a tip diameter of {1e3 * gear.tip:g} mm cannot be, at {gear.teeth} teeth of module "
                                    f"{1e3 * gear.module:g} mm; those of the pair are of the basic rack", gear.component)
             return None
-    return gears[0].tip or 0.0, gears[1].tip or 0.0
+    one, other = (gear.tip for gear in gears)
+    if one is not None and other is not None:
+        return one, other
+    if one is not None or other is not None:
+        source.note("missing", "tip diameter; those of the pair are of the basic rack", gears[one is not None].component)
+    return None
 
 
 def _backlash(source: Source, stage: Component, gears: tuple[Gear, Gear], distance: float | None) -> Entry:
@@ -348,8 +357,12 @@ def _tools(source: Source, gear: Component) -> list[Component]:
 
 
 def _moduli(source: Source, gears: tuple[Gear, Gear]) -> tuple[float, float] | None:
-    """Moduli of elasticity of the materials; None where one is missing."""
+    """Moduli of elasticity of the materials; None where none has one."""
     found = [modulus_of(source, gear.component) if material_of(source, gear.component) else None for gear in gears]
-    if found[0] is None or found[1] is None or math.inf in found:
+    if not any(found):
         return None
-    return found[0], found[1]
+    for gear, modulus in zip(gears, found):
+        if not modulus or modulus == math.inf:
+            source.note("missing", "modulus of elasticity; that of steel, 2.06e11 N/m^2", gear.component)
+    one, other = (STEEL if not modulus or modulus == math.inf else modulus for modulus in found)
+    return one, other

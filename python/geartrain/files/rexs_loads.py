@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 #: Line load [N/m] where no torque is given: from 100 N/mm on the mesh stiffness of ISO 6336-1 does not depend on the load.
 _LINE_LOAD = 1e5
+#: Part of a torque that bearings, seals and teeth may take.
+_LOSSES = 0.1
 #: Power of the drag of an idle part over the largest power of a load.
 _DRAG = 1e-3
 
@@ -199,9 +201,20 @@ def _put_torques(machine: Machine, made: Loads, loads: list[tuple[int, Component
         if place not in made.balancing and place not in made.held and place not in made.torques:
             source.note("missing", "torque; 0", load)
     made.forces = forces(machine.links, torques, list(made.balancing), held)
+    _check_balance(machine, made, loads, torques)
     dragged = _drag(machine, made, torques)
     if dragged.any():
         made.forces = forces(machine.links, torques + dragged, list(made.balancing), held)
+
+
+def _check_balance(machine: Machine, made: Loads, loads: list[tuple[int, Component]], torques: Array) -> None:
+    """Say where the torque in the file of a load that balances is another one, by more than losses."""
+    for place, load in loads if len(made.balancing) == 1 else []:
+        given = machine.source.number(load, "torque_around_u_axis") if place in made.balancing and made.speeds[place] else None
+        if given is not None:
+            needed = -float(torques @ made.speeds) / float(made.speeds[place]) * float(machine.sense[place])
+            if abs(needed - given) > _LOSSES * abs(needed):
+                machine.source.note("not used", f"its torque of {given:g} N m: {needed:.6g} N m balances the others", load)
 
 
 def _drag(machine: Machine, made: Loads, torques: Array) -> Array:
@@ -259,7 +272,9 @@ def _choose_balancing(machine: Machine, made: Loads, free: list[tuple[int, Compo
             continue
         chosen = [*made.balancing, place]
         if np.linalg.matrix_rank(motions[:, chosen], tol=1e-9) > rank:
-            made.balancing[place] = f"{load}, whose torque is not given"
+            unused = source.number(load, "torque_around_u_axis")
+            made.balancing[place] = f"{load}, whose torque " + ("is not given" if unused is None else
+                                                                f"of {unused:g} N m in the file follows from the others")
             rank += 1
         if rank == len(motions):
             break
@@ -270,13 +285,15 @@ def _choose_balancing(machine: Machine, made: Loads, free: list[tuple[int, Compo
 
 def _usual(machine: Machine, made: Loads, loads: list[tuple[int, Component]], held: list[int]) -> Array:
     """The torque at which the most loaded mesh has a line load of 100 N/mm, where none is given."""
-    place, load = next((row for row in loads if row[0] not in made.balancing and row[0] not in held), loads[0])
+    # The shaft whose speed is given drives.
+    first = [row for row in loads if row[0] == made.reference and len(made.balancing) == 1]
+    others = [row for row in loads if row[0] not in made.balancing and row[0] not in held]
+    place, load = next(iter([*first, *others]), loads[0])
     if place in made.balancing and len(made.balancing) == 1:
         other = next((row[0] for row in loads if row[0] != place), None)
         if other is None:
             machine.source.refuse(f"{load} is the only external load that transmits torque: a second one is wanted")
-        told = made.balancing.pop(place)
-        made.balancing[other] = told
+        made.balancing = {other: f"{next(row[1] for row in loads if row[0] == other)}, whose torque is not given"}
     torques = np.zeros(len(machine.network.bodies))
     torques[place] = math.copysign(1.0, made.speeds[place])
     unit = forces(machine.links, torques, list(made.balancing), held)[len(machine.springs):]

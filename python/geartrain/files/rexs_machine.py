@@ -181,18 +181,20 @@ def rims(machine: Machine, place: int) -> list[Piece]:
 
 def _rim(machine: Machine, gear: Gear, body: Body) -> Piece | None:
     source, rotor = machine.source, body.axis
-    if gear.width is None or rotor is None:
+    width = gear.width if gear.width is not None else next(
+        (pair.width.value for pair in machine.pairs if gear in pair.gears and pair.width), None)
+    if width is None or rotor is None:
         return None
     at = rotor.diameters(_middle(machine, gear, rotor)) or (0.0, 0.0)
     density = density_of(source, gear.component)
     if gear.internal:
         if at[1] <= gear.reference:
             return None
-        return Piece(at[1], gear.reference, gear.width, density, str(gear.component))
+        return Piece(at[1], gear.reference, width, density, str(gear.component))
     if at[0] >= gear.reference:
         source.note("assumed", "the shaft is thicker than its reference circle; it counts alone", gear.component)
         return None
-    return Piece(gear.reference, at[0], gear.width, density, str(gear.component))
+    return Piece(gear.reference, at[0], width, density, str(gear.component))
 
 
 def _middle(machine: Machine, gear: Gear, rotor: Rotor) -> float:

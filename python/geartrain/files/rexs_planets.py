@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .rexs_file import Component
-from .rexs_gears import Entry, Gear, Pair
+from .rexs_gears import STEEL, Entry, Gear, Pair
 from .rexs_loads import Loads
 from .rexs_machine import Machine, rims
 
@@ -62,13 +62,14 @@ def _set_of(machine: Machine, loads: Loads, component: Component, planets: list[
 
 @dataclass(frozen=True)
 class _Gears:
-    """Gears and pairs of one planet: numbers that all planets of a set share, and the bodies of sun and ring."""
+    """Gears and pairs of one planet: numbers and face widths that all planets of a set share, and the bodies of sun and ring."""
 
     planet: int
     sun_body: int | None
     ring_body: int | None
     teeth: tuple[int, int, int]
     shifts: tuple[float, float, float]
+    widths: tuple[float, ...]
 
     @classmethod
     def of(cls, machine: Machine, sun: Pair | None, ring: Pair | None, planet: int) -> _Gears | None:
@@ -80,10 +81,11 @@ class _Gears:
         teeth = [0 if part is None else part[0].teeth for part in parts]
         shift = [0.0 if part is None else part[1] for part in parts]
         return cls(planet, body[0], body[1], (teeth[0], own[0][0].teeth, teeth[1]),
-                   (round(shift[0], 9), round(own[0][1], 9), round(shift[1], 9)))
+                   (round(shift[0], 9), round(own[0][1], 9), round(shift[1], 9)),
+                   tuple(round(pair.width.value, 9) for pair in (sun, ring) if pair and pair.width))
 
     def like(self, planet: int) -> _Gears:
-        return _Gears(planet, self.sun_body, self.ring_body, self.teeth, self.shifts)
+        return replace(self, planet=planet)
 
     def entries(
         self, machine: Machine, loads: Loads, component: Component, planets: list[int], carrier: int, pairs: list[Pair]
@@ -115,6 +117,10 @@ class _Gears:
         if pieces:
             found["planet_inertia"] = Entry(sum(piece.inertia for piece in pieces), shafts)
             found["planet_mass"] = Entry(sum(piece.mass for piece in pieces), shafts)
+        if len(pairs) > 1 and first.get("face_width") and (width := pairs[1].width) and width.value != first["face_width"].value:
+            found["ring_face_width"] = width
+        if any(pair.moduli for pair in pairs):
+            found["elastic_modulus"] = Entry(_moduli(machine, pairs, self.planet), f"materials of {told}")
         plays = [pair.backlash for pair in pairs]
         found["backlash"] = Entry([play.value for play in plays], "; ".join(dict.fromkeys(play.told for play in plays)))
         found["damping_ratio"] = Entry(0.05, "MISSING: REXS has no damping")
@@ -152,6 +158,16 @@ def _tips(pairs: list[Pair], gears: _Gears) -> list[float] | None:
     ring = next(gear for gear in pairs[1].gears if gear.internal)
     own = next(gear for gear in pairs[1].gears if not gear.internal)
     return [known[gear.component.number] for gear in (sun, own, ring)]
+
+
+def _moduli(machine: Machine, pairs: list[Pair], planet: int) -> list[float]:
+    """Moduli of elasticity of sun, planet and ring."""
+    found = [STEEL] * 3
+    for pair in pairs:
+        if pair.moduli:
+            own = machine.bodies_of(pair).index(planet)
+            found[1], found[2 if pair.internal else 0] = pair.moduli[own], pair.moduli[1 - own]
+    return found
 
 
 def _angles(machine: Machine, planets: list[int], carrier: int, sense: float) -> list[float] | None:

@@ -208,6 +208,8 @@ def _shear_modulus(source: Source, component: Component) -> float:
     if modulus is None:
         _no_material(source, component, "modulus of elasticity")
         modulus = _STEEL_MODULUS
+    if ratio is not None and not 0 <= ratio < 0.5:
+        source.note("assumed", f"a Poisson's ratio of {ratio:g} is none of a solid; 0.3 (steel)", material)
     if ratio is None or not 0 <= ratio < 0.5:
         ratio = _STEEL_RATIO
     return modulus / (2 * (1 + ratio))

@@ -139,6 +139,10 @@ def _groups(name: str, rows: Rows, comma: bool, problems: list[str]) -> list[tup
             continue
         if kind == _PART:
             columns = [_heading(str(cell)) for cell in cells]
+            named = [(column.name, column.place) for column in columns if column.name]
+            twice = next((name for name in named if named.count(name) > 1), None)
+            if twice:
+                problems.append(f"{place}: error: {shown(' '.join(map(str, filter(None, twice))))}: heads two columns")
         elif columns is None:
             raise InputError(f"{place}: error: begins with {shown(cells[0])}: the first row must have headings, {_PART!r} first")
         elif kind not in _KINDS:
@@ -191,7 +195,7 @@ def _value(row: Variable, cell: Any, unit: str, comma: bool) -> Any:
     factor = _factor(row, unit)
     if row.kind in ("text", "names"):
         text = str(cell)
-        return [part.strip() for part in text.split(" - ")] if row.kind == "names" else text
+        return [part.strip() for part in re.split(" [-\N{EN DASH}\N{EM DASH}] ", text)] if row.kind == "names" else text
     if row.kind == "logical":
         word = str(cell).lower()
         if word not in _WORDS:

@@ -28,8 +28,8 @@ module geartrain_base_checker
 
    !> Variables of a drawing, from which others follow.
    character(*), parameter :: drawn(*) = [character(15) :: 'teeth', 'normal_module', 'pressure_angle', 'helix_angle', &
-      'face_width', 'profile_shift', 'centre_distance', 'tip_diameter', 'dedendum', 'backlash', 'elastic_modulus', 'internal', &
-      'diameter', 'length', 'shear_modulus', 'outer_diameter', 'width', 'bore', 'density']
+      'face_width', 'ring_face_width', 'profile_shift', 'centre_distance', 'tip_diameter', 'dedendum', 'backlash', &
+      'elastic_modulus', 'internal', 'diameter', 'length', 'shear_modulus', 'outer_diameter', 'width', 'bore', 'density']
 
 contains
 

@@ -182,6 +182,8 @@ contains
          call checker%lacks('face_width', '> 0 m', ', to which planet_bore belongs')
       if (.not. set%face_width > 0 .and. .not. is_given(set%stiffness)) &
          call checker%lacks('stiffness', '> 0 N/m', ' or face_width')
+      if (set%ring_face_width > 0 .and. .not. set%face_width > 0) &
+         call checker%lacks('face_width', '> 0 m', ', beside ring_face_width')
       if (set%ring_phase_given .and. .not. all(numbers%has)) &
          call checker%complain('ring_phase', real_text(set%ring_phase), 'is between sun meshes and ring meshes: the set lacks one &
                                &kind')

@@ -191,12 +191,14 @@ contains
          mesh%teeth = of_gears(set%teeth, gear)
          mesh%profile_shift = of_gears(set%profile_shift, gear)
          mesh%tip_diameter = of_gears(set%tip_diameter, gear)
+         mesh%elastic_modulus = of_gears(set%elastic_modulus, gear)
          if (set%planet_bore > 0) mesh%bore = bore(gear)
       end associate
       mesh%normal_module = set%normal_module
       mesh%pressure_angle = set%pressure_angle
       mesh%helix_angle = set%helix_angle
       mesh%face_width = set%face_width
+      if (kind == ring_meshes .and. set%ring_face_width > 0) mesh%face_width = set%ring_face_width
       mesh%centre_distance = set%centre_distance
       mesh%dedendum = set%dedendum
       mesh%density = set%density

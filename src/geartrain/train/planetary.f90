@@ -23,6 +23,9 @@ module geartrain_train_planetary
       !> shifts of sun, planet and ring [1], (3), centre distance [m], tip diameters [m], (3), dedendum of the rack [1].
       real(dp) :: normal_module = 0, pressure_angle = 20, helix_angle = 0, face_width = 0, centre_distance = 0, dedendum = 1.25_dp
       real(dp), allocatable :: profile_shift(:), tip_diameter(:)
+      !> Face width of the ring meshes, 0: `face_width` [m]; moduli of elasticity of sun, planet and ring [N/m^2], (3).
+      real(dp) :: ring_face_width = 0
+      real(dp), allocatable :: elastic_modulus(:)
       !> Errors of the places of the planets along the lines of action of both their meshes, positive against the force of the
       !> driving member, (planet) [m].
       real(dp), allocatable :: planet_errors(:)

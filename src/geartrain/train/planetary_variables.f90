@@ -70,6 +70,9 @@ contains
       call v%on_real(row('helix_angle', 'degree', 'helix angle at the reference circle', least=zero, most=60*one), set%helix_angle)
       given = .not. abs(set%face_width) <= 0
       call v%on_real(row('face_width', 'm', 'common face width of the gears', above=zero), set%face_width, given)
+      given = .not. abs(set%ring_face_width) <= 0
+      call v%on_real(row('ring_face_width', 'm', 'common face width of planets and ring, where it is not face_width', above=zero), &
+                     set%ring_face_width, given)
       call v%on_list(row('profile_shift', '', 'profile shift coefficients of sun, planet and ring, as of a mesh', &
                          least=-2*one, most=2*one, values=3), set%profile_shift)
       given = .not. abs(set%centre_distance) <= 0
@@ -78,6 +81,8 @@ contains
       call v%on_list(row('tip_diameter', 'm', 'tip diameters of sun, planet and ring, as of a mesh', above=zero, values=3), &
                      set%tip_diameter)
       call v%on_real(row('dedendum', '', 'dedendum of the basic rack over the module', least=one, most=2*one), set%dedendum)
+      call v%on_list(row('elastic_modulus', 'N/m^2', 'moduli of elasticity of sun, planet and ring; none: steel, 2.06e11', &
+                         above=zero, values=3), set%elastic_modulus)
    end subroutine visit_gears
 
    !> Visits the variables of the planets as bodies.
