@@ -103,7 +103,7 @@ contains
    !> orders of a simple ratio, which keep the ratio; orders without a neighbour of the allowed error.
    subroutine nearby_orders(tests)
       class(tests_type), intent(inout) :: tests
-      integer :: nearby(3), four(4)
+      integer :: nearby(3), four(4), seven(7)
       real(dp) :: scale, error
 
       call find_nearby_orders([15939, 75440, 288640], nearby, scale, error)
@@ -116,7 +116,13 @@ contains
       call find_nearby_orders([10160, 5080, 2921, 1748], four, scale, error)
       call tests%is_true(four(1) == 2*four(2) .and. four(1) < 10000 .and. error > 0, 'a simple ratio')
       call find_nearby_orders([659227, 124013, 19703, 9367], four, scale, error)
-      call tests%is_true(all(four == [659227, 124013, 19703, 9367]) .and. .not. abs(error) > 0, 'no neighbour')
+      call tests%is_true(error > 1e-5_dp .and. error < 1e-4_dp, 'a further neighbour where there is none near')
+      call tests%is_close(maxval(abs(four/(scale*[659227, 124013, 19703, 9367]) - 1)), error, 1e-12_dp, 'of all frequencies')
+      call find_nearby_orders([659227, 124013, 19703, 9367, 7919, 6131, 5003], seven, scale, error)
+      call tests%is_true(all(seven == [659227, 124013, 19703, 9367, 7919, 6131, 5003]) .and. .not. abs(error) > 0, 'no neighbour')
+      ! A pinion of 21 teeth whose errors come with its revolution: the order of its mesh is a multiple of them.
+      call find_nearby_orders([16653, 5124, 1596], nearby, scale, error, [21, 1, 1])
+      call tests%is_true(mod(nearby(1), 21) == 0 .and. nearby(1) < 10000 .and. error < 1e-4_dp, 'whole revolutions')
    end subroutine nearby_orders
 
    !> A cycle repeated 5000 times has 20,000 events, found from samples alone, and spectra by FFT: those of the cycle, found by

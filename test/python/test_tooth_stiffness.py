@@ -16,9 +16,12 @@ CRACKED = [1.0] * 7 + [0.6] + [1.0] * 12
 FINE = 2**14
 
 
-def windows(values, window, highest, phase=0.0):
-    """Mean and complex amplitudes of a sum of windows at the teeth, up to an order of the revolution, by the FFT of samples."""
-    x = np.arange(FINE) / FINE * len(values) - phase / (2 * np.pi)
+def windows(values, window, highest, phase=0.0, middle=0.5):
+    """Mean and complex amplitudes of a sum of windows at the teeth, up to an order of the revolution, by the FFT of samples.
+
+    At a contact ratio of 1 to 2 kappa has its two pairs at the beginning of a mesh cycle, and one alone in its middle.
+    """
+    x = np.arange(FINE) / FINE * len(values) - phase / (2 * np.pi) - middle
     apart = (x[:, None] - np.arange(len(values)) + len(values) / 2) % len(values) - len(values) / 2
     amplitude = np.fft.rfft(window(apart) @ np.asarray(values)) / FINE
     return amplitude[0].real, 2 * amplitude[1:highest + 1]
@@ -29,7 +32,7 @@ def blend(x):
 
 
 def trapezoid(ratio):
-    return lambda x: np.clip((ratio / 2 - abs(x)) / (ratio - 1), 0.0, 1.0)
+    return lambda x: np.clip((ratio / 2 - abs(x)) / (ratio - 1), 0.0, min(1.0, 1 / (ratio - 1)))
 
 
 @pytest.mark.full
@@ -101,13 +104,34 @@ def test_a_response_with_a_cracked_tooth():
 
 def test_steps_against_the_transform_of_the_trapezoid():
     """Sampling a function of corners at 2^14 points has an error of some 1e-7 of it."""
-    for ratio in (1.3, 1.8):
+    for ratio, middle in ((1.3, 0.5), (1.8, 0.5), (2.3, 0.0)):
         train = pair((), driving_pitch_error=PITCH, pitch_error_form="steps", contact_ratio=ratio)
-        mean, amplitude = windows(PITCH, trapezoid(ratio), 5 * TEETH)
+        mean, amplitude = windows(PITCH, trapezoid(ratio), 5 * TEETH, middle=middle)
         told = train.explain()["mesh 1"]
         assert told["driving_error_cos"] == pytest.approx(amplitude.real, abs=1e-6 * abs(PITCH).max())
         assert told["driving_error_sin"] == pytest.approx(-amplitude.imag, abs=1e-6 * abs(PITCH).max())
         assert told["error_mean"] == pytest.approx(mean, rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [1.3, 1.6, 1.9])
+def test_teeth_change_while_two_pairs_bear(ratio):
+    """Where kappa is low a tooth bears alone, with its own error, which changes where kappa is high."""
+    told = pair((), driving_pitch_error=PITCH, pitch_error_form="steps", contact_ratio=ratio,
+                stiffness_harmonics=100).explain()["mesh 1"]
+
+    def series(name, x, base, mean):
+        """Value at x mesh cycles, of orders of the revolution or of the mesh."""
+        orders = np.arange(1, len(told[f"{name}_cos"]) + 1)
+        angle = 2 * np.pi / base * np.outer(x, orders)
+        sine = told.get(f"{name}_sin", np.zeros(len(orders)))
+        return mean + np.cos(angle) @ told[f"{name}_cos"] + np.sin(angle) @ sine
+
+    alone = np.arange(TEETH) + 0.5
+    wave = 1 + sum(2 * np.sin(h * np.pi * (ratio - 1)) / (h * np.pi * ratio) * np.cos(2 * np.pi * h * alone) for h in range(1, 400))
+    assert np.allclose(wave, 1 / ratio, rtol=0.02)  # one pair of `ratio` in the mean
+    assert np.allclose(series("driving_error", alone, TEETH, told["error_mean"]), PITCH, rtol=0, atol=0.02 * np.ptp(PITCH))
+    inside = np.arange(TEETH)[:, None] + 0.5 + np.linspace(-0.45, 0.45, 7) * (2 - ratio)
+    assert np.ptp(series("driving_error", inside.ravel(), TEETH, 0.0).reshape(inside.shape), axis=1).max() < 0.1 * np.ptp(PITCH)
 
 
 def test_steps_of_helical_teeth_are_averaged_over_the_face():

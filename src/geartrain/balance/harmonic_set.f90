@@ -47,7 +47,8 @@ contains
    end function first_set
 
    !> The carried harmonics and, of the tail, the harmonics of largest amplitude, ascending: what is left out afterwards is `share`
-   !> of what is left out now. Above 1 carried harmonics of small amplitude are left out.
+   !> of what is left out now. Above 1 carried harmonics of small amplitude are left out; of a set that is as large as it may be they
+   !> make room for larger ones of the tail.
    pure function next_set(balance, u, estimate, share, most) result(harmonic)
       !> Balance, solved.
       type(balance_type), intent(in) :: balance
@@ -79,8 +80,13 @@ contains
             square(balance%harmonic(k)) = sum(u(2*k:2*k + 1, :)**2)
          end do
          carried = busiest(square, (share**2 - 1)*left, room)
+      else if (size(balance%harmonic) >= room) then
+         do k = 1, size(balance%harmonic)
+            square(balance%harmonic(k)) = sum(u(2*k:2*k + 1, :)**2)
+         end do
+         carried = busiest(square, share**2*left, room)
       else
-         room = max(1, room - size(balance%harmonic))
+         room = room - size(balance%harmonic)
          carried = busiest(square, share**2*left, min(room, max(size(balance%harmonic), least_growth)))
          carried(balance%harmonic) = .true.
       end if

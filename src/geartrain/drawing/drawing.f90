@@ -121,13 +121,12 @@ contains
       type(gear_pair_type) :: pair
       type(pair_geometry_type) :: geometry
       type(pair_stiffness_type) :: stiffness
-      real(dp) :: mean, smoothing, overlap
+      real(dp) :: mean, ratio, smoothing, overlap
       integer :: h
 
       derived = plain
-      smoothing = 0
+      ratio = mesh%contact_ratio
       overlap = 0
-      if (mesh%pitch_error_form == 'steps') smoothing = mesh%contact_ratio
       if (has_geometry(mesh)) then
          pair = pair_of(mesh)
          call find_geometry(pair, geometry)
@@ -135,7 +134,7 @@ contains
          if (.not. abs(mesh%driven_radius) > 0) derived%driven_radius = geometry%base_radius(2)
          if (.not. abs(mesh%half_backlash) > 0) derived%half_backlash = geometry%half_backlash
          if (mesh%contact_ratio > 0) geometry%contact_ratio = mesh%contact_ratio
-         if (mesh%pitch_error_form == 'steps') smoothing = geometry%contact_ratio
+         ratio = geometry%contact_ratio
          overlap = geometry%overlap_ratio
          if (has_stiffness(mesh)) then
             call find_stiffness(pair, geometry, 0.0_dp, stiffness)
@@ -148,11 +147,13 @@ contains
             derived%contact_ratio = 0
          end if
       end if
+      smoothing = 0
+      if (mesh%pitch_error_form == 'steps') smoothing = ratio
       if (allocated(derived%teeth)) then
          if (size(derived%teeth) == 2) then
             do h = 1, 2
-               call make_plain(derived%gear_error(h), max(1.0_dp, derived%teeth(h)), derived%phase, smoothing, &
-                               overlap, derived%stiffness_harmonics, mean)
+               call make_plain(derived%gear_error(h), max(1.0_dp, derived%teeth(h)), derived%phase, &
+                               middle_of_contact(ratio), smoothing, overlap, derived%stiffness_harmonics, mean)
                derived%error_mean = derived%error_mean + mean
             end do
          end if
@@ -161,6 +162,16 @@ contains
       derived%backlash = 0
       call plain_mesh(derived, plain)
    end subroutine put_pair
+
+   !> Middle of the contact of the first tooth [mesh cycles]: the time with the extra tooth pair is in the middle of a cycle of kappa
+   !> at phase 0, in which the tooth comes into contact, and one with one pair alone half a cycle later.
+   pure real(dp) function middle_of_contact(contact_ratio) result(middle)
+      !> Contact ratio [1]; 0: not known, 1 to 2.
+      real(dp), intent(in) :: contact_ratio
+
+      middle = 0.5_dp
+      if (contact_ratio > 0) middle = modulo(int(contact_ratio), 2)/2.0_dp
+   end function middle_of_contact
 
    !> The drawing of a gear pair, with angles in rad.
    pure type(gear_pair_type) function pair_of(mesh) result(pair)

@@ -28,6 +28,8 @@ module geartrain_trace_adaptive_corrector
    real(dp), parameter :: vanishing = 1e-6_dp
    !> Most harmonics of a set.
    integer, parameter :: largest_set = 2000
+   !> Share of such a set that must stay, where harmonics of its tail that are larger than some of its own do not matter enough.
+   real(dp), parameter :: least_change = 0.8_dp
    !> Most harmonics of a set where teeth part in a long period: the motion has thousands of nearly equal amplitudes there, and a
    !> point would take a minute with them.
    integer, parameter :: largest_set_parting = 160
@@ -150,8 +152,8 @@ contains
             associate (now => size(self%corrector%balance%harmonic), most => self%largest())
                ! A set made where no teeth part may be larger.
                if (now > 2*most) share = 1 + epsilon(share)
-               if (now >= most .and. now <= 2*most) return
                larger = next_set(self%corrector%balance, solution%u, self%estimate, share, most)
+               if (now >= most .and. now <= 2*most .and. kept_of(larger) > least_change*now) return
             end associate
             call self%prepare(larger(size(larger)), larger)
          else
@@ -172,6 +174,19 @@ contains
       call self%solve_again(solution, success, fixed)
       if (present(kept)) kept = success
       success = .false.
+
+   contains
+
+      !> How many of the carried harmonics a set has.
+      pure integer function kept_of(set)
+         integer, intent(in) :: set(:)
+         logical :: has(max(highest, maxval(set)))
+
+         has = .false.
+         has(set) = .true.
+         kept_of = count(has(self%corrector%balance%harmonic))
+      end function kept_of
+
    end subroutine adapt
 
    !> Most harmonics of a set at the latest solution point.

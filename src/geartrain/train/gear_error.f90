@@ -116,13 +116,15 @@ contains
 
    !> Replaces what is given of each tooth, and runout, by harmonics: tooth j has its pitch error at the beginning of mesh cycle j
    !> of the revolution.
-   pure subroutine make_plain(error, teeth, phase, contact_ratio, overlap_ratio, cycle_harmonics, mean)
+   pure subroutine make_plain(error, teeth, phase, middle, contact_ratio, overlap_ratio, cycle_harmonics, mean)
       !> Errors of a gear as given; gets amplitudes alone.
       type(gear_error_type), intent(inout) :: error
       !> Number of teeth of the gear, which may still be out of range.
       real(dp), intent(in) :: teeth
       !> Lag of the mesh [rad of the mesh cycle].
       real(dp), intent(in) :: phase
+      !> Middle of the contact of the first tooth [mesh cycles].
+      real(dp), intent(in) :: middle
       !> Transverse contact ratio and overlap ratio over which pitch errors as steps are smoothed [1], 0: a polynomial joins them.
       real(dp), intent(in) :: contact_ratio, overlap_ratio
       !> Harmonics of the mesh cycle up to which steps are taken.
@@ -138,7 +140,7 @@ contains
          if (size(error%tooth_stiffness) > 0) call window_harmonics(error%tooth_stiffness, &
             blend(2*size(error%tooth_stiffness), real(size(error%tooth_stiffness), dp)), error%factor_mean, error%factor_cos, &
             error%factor_sin)
-         if (allocated(error%factor_cos) .and. abs(phase) > 0) call delay(phase/teeth, error%factor_cos, error%factor_sin)
+         if (allocated(error%factor_cos)) call delay((phase + 2*pi*middle)/teeth, error%factor_cos, error%factor_sin)
          deallocate (error%tooth_stiffness)
       end if
       if (allocated(error%pitch)) then
@@ -146,6 +148,7 @@ contains
             if (n > 0 .and. contact_ratio > 0) then
                call window_harmonics(error%pitch, step(cycle_harmonics*n, real(n, dp), contact_ratio, overlap_ratio), mean, &
                                      cosine, sine)
+               call delay(2*pi*middle/teeth, cosine, sine)
             else if (n > 0) then
                call table_harmonics(error%pitch, mean, cosine, sine)
             end if
