@@ -157,6 +157,7 @@ def test_orders_have_their_names(reducer_train):
 
 @pytest.mark.parametrize(("asked", "words"), [
     ({"orders": ["mesh 7"]}, "is no order of this train"), ({"orders": []}, "at least one"), ({"orders": [0]}, "above 0"),
+    ({"orders": [1, 1e6]}, r"orders: 1e\+06: must be at most"),
     ({"what": "noise"}, "what = 'noise'"), ({"cycles": 1e9}, "cycles = "), ({"cycles": True}, "cycles = "),
 ])
 def test_words_of_order_cuts(ramp, asked, words):

@@ -192,13 +192,14 @@ def test_sensitivities_and_sidebands(tmp_path):
 def _check_sidebands(made, motion):
     """The table against the lines of the spectrum: the pinion turns once in an order."""
     rows = next(rows for kind, rows in made.blocks if kind == "table" and rows[0][0] == "sidebands of")
-    assert rows[0][2:] == ["-3", "-2", "-1", "0", "+1", "+2", "+3"] and [row[0] for row in rows[1:]] == [
-        f"{times} x mesh 1" for times in (1, 2, 3)]
-    lines = dict(zip(*(values.tolist() for values in motion.spectrum()), strict=True))
+    assert rows[0][3:] == ["-3", "-2", "-1", "0", "+1", "+2", "+3"] and [row[0] for row in rows[1:]] == [
+        f"{times} x mesh 1" for times in (1, 2, 3)] * 2
     teeth = motion.train.meshes[0].teeth[0]
-    for times, row in enumerate(rows[1:], 1):
-        assert row[1] == "pinion" and float(row[5]) > 0
-        for far, cell in zip(range(-3, 4), row[2:], strict=True):
+    for place, row in enumerate(rows[1:]):
+        what, times = ("displacement", "mesh_force")[place // 3], place % 3 + 1
+        lines = dict(zip(*(values.tolist() for values in motion.spectrum(what)), strict=True))
+        assert row[1] == "pinion" and row[2].startswith(what[-5:].strip("_") if place > 2 else what) and float(row[6]) > 0
+        for far, cell in zip(range(-3, 4), row[3:], strict=True):
             assert float(cell or 0.0) == pytest.approx(lines.get(times * teeth + far, [0.0])[0], rel=1e-3)
 
 

@@ -146,13 +146,17 @@ def sidebands(made: Document, results: Any, train: Description) -> None:
         return
     at = f"Lambda {motion.frequency:.6g}" if motion.speed is None else f"{motion.speed:.6g} rpm"
     unit = "um" if train.characteristic_length is None else "characteristic lengths"
-    lines = dict(zip(*(values.tolist() for values in motion.spectrum())))
     places = range(-_SIDEBANDS, _SIDEBANDS + 1)
-    rows = [[f"{times} x mesh {number}", gear, *(_cell(lines.get(times * mesh + far * turn), number - 1) for far in places)]
-            for number, gear, mesh, turn in errors for times in range(1, _MULTIPLES + 1)]
-    made.table(["sidebands of", "by turns of", *(f"{far:+d}" if far else "0" for far in places)], rows)
-    made.sentence(f"Amplitudes of the displacement of the mesh at {where}, {at}, in {unit}: at multiples of its frequency (0), and "
-                  "as many revolutions of the gear below and above them.")
+    head = ["sidebands of", "by turns of", "amplitude", *(f"{far:+d}" if far else "0" for far in places)]
+    rows = []
+    for what, told in (("displacement", f"displacement [{unit}]"), ("mesh_force", "force [N]")):
+        lines = dict(zip(*(values.tolist() for values in motion.spectrum(what))))
+        rows += [[f"{times} x mesh {number}", gear, told,
+                  *(_cell(lines.get(times * mesh + far * turn), number - 1) for far in places)]
+                 for number, gear, mesh, turn in errors for times in range(1, _MULTIPLES + 1)]
+    made.table(head, rows)
+    made.sentence(f"Of the mesh itself, at {where}, {at}: at multiples of its frequency (0), and as many revolutions of the gear "
+                  "below and above them.")
 
     order, amplitude, owner, ratio = named_spectrum(motion, _LEAST)
     gears = {gear for _, gear, *_ in errors}

@@ -35,6 +35,10 @@ def cut_orders(run_up: Any, orders: Iterable[float | str] | None, what: str, cyc
     time, values, numbers = run_up.time, getattr(run_up, what), np.array(sorted(named))
     begin, end = run_up.fundamental_frequency[0], run_up.fundamental_frequency[-1]
     turns = time * (begin + (end - begin) * time / (2 * time[-1]))  # of the fundamental
+    highest = 0.5 / float(np.diff(turns).max())
+    if numbers[-1] > highest:
+        raise InputError(f"orders: {numbers[-1]:g}: must be at most {highest:.6g}, half of the samples in a cycle of the "
+                         "fundamental at the highest speed")
     apart = float(np.diff(numbers, prepend=0.0).min())
     wide = min(_APART / apart, float(turns[-1])) if cycles is None else cycles
     if isinstance(wide, bool) or not isinstance(wide, (int, float)) or not 0 < wide <= turns[-1]:

@@ -129,6 +129,7 @@ contains
       logical, intent(out) :: regular
       !> Space of the right sides and of the solutions: only in it `solve` solves then.
       type(fixed_space_type), intent(in), optional :: fixed
+      !> Which planets move one after the other, where no branches move equally.
       type(planet_turn_type), intent(in), optional :: turn
       type(planet_turn_type) :: at_once
 

@@ -35,8 +35,9 @@ contains
    !> Takes which unknowns move equally.
    subroutine setup(self, orbit, inverse, turn, whole)
       class(equal_system_type), intent(inout) :: self
-      !> Unknown that stands for each, (unknown); inverse of the equations of the mean, (equation, unknown).
+      !> Unknown that stands for each, (unknown).
       integer, intent(in) :: orbit(:)
+      !> Inverse of the equations of the mean, (equation, unknown).
       real(dp), intent(in) :: inverse(:, :)
       !> How much later each moves.
       type(planet_turn_type), intent(in) :: turn

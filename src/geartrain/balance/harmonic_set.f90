@@ -47,8 +47,8 @@ contains
    end function first_set
 
    !> The carried harmonics and, of the tail, the harmonics of largest amplitude, ascending: what is left out afterwards is `share`
-   !> of what is left out now. Above 1 carried harmonics of small amplitude are left out; of a set that is as large as it may be they
-   !> make room for larger ones of the tail.
+   !> of what is left out now. Above 1 carried harmonics of small amplitude are left out; of a set that is as large as it may be
+   !> they make room for larger ones of the tail.
    pure function next_set(balance, u, estimate, share, most) result(harmonic)
       !> Balance, solved.
       type(balance_type), intent(in) :: balance

@@ -1,6 +1,6 @@
-!> Motions of a planetary set in which each planet moves as the one before it, a share of the mesh cycle later: a turn of the planets
-!> by one place, with a shift in time, leaves them as they are. The Jacobian of the balance leaves these motions to themselves, and
-!> one planet stands for all.
+!> Motions of a planetary set in which each planet moves as the one before it, a share of the mesh cycle later: a turn of the
+!> planets by one place, with a shift in time, leaves them as they are. The Jacobian of the balance leaves these motions to
+!> themselves, and one planet stands for all.
 !>
 !> With an odd number of planets the other motions come in pairs, whose parts of the Jacobian are conjugate: the sign of its
 !> determinant is that within the motions of this symmetry.
@@ -163,6 +163,7 @@ contains
    !> Columns of an unknown, of a matrix that acts on the coefficients, for those of the unknown that stands for it.
    pure subroutine turn_columns(self, unknown, columns)
       class(planet_turn_type), intent(in) :: self
+      !> Number of the unknown.
       integer, intent(in) :: unknown
       !> (row, block).
       real(dp), intent(inout) :: columns(:, :)

@@ -163,8 +163,8 @@ contains
       call plain_mesh(derived, plain)
    end subroutine put_pair
 
-   !> Middle of the contact of the first tooth [mesh cycles]: the time with the extra tooth pair is in the middle of a cycle of kappa
-   !> at phase 0, in which the tooth comes into contact, and one with one pair alone half a cycle later.
+   !> Middle of the contact of the first tooth [mesh cycles]: at phase 0 is the middle of the time with the extra tooth pair, in
+   !> which a tooth comes into contact; of two pairs one bears alone half a cycle later.
    pure real(dp) function middle_of_contact(contact_ratio) result(middle)
       !> Contact ratio [1]; 0: not known, 1 to 2.
       real(dp), intent(in) :: contact_ratio

@@ -10,9 +10,9 @@ module geartrain_train_nearby_orders
 
    !> Most cycles of a mesh in a period of the fundamental that a harmonic balance or a monodromy matrix is made for.
    integer, parameter :: most_cycles = 10000
-   !> Relative error of the frequencies that is wanted, and that is allowed, further where there are no such orders, as with gears of
-   !> many teeth that have errors: an amplitude on the flank of a resonance of 0.4 % of critical damping changes by 1/0.008 times as
-   !> much.
+   !> Relative error of the frequencies that is wanted, and that is allowed, further where there are no such orders, as with gears
+   !> of many teeth that have errors: an amplitude on the flank of a resonance of 0.4 % of critical damping changes by 1/0.008 times
+   !> as much.
    real(dp), parameter :: wanted = 5e-6_dp, allowed(2) = [1e-5_dp, 1e-4_dp]
    !> Fewest cycles of the fastest mesh.
    integer, parameter :: fewest = 1000
