@@ -52,7 +52,7 @@ contains
       real(dp), allocatable :: mean(:, :)
       integer :: i, k, n
 
-      if (allocated(self%orbit)) deallocate (self%orbit, self%shift, self%cosine, self%sine)
+      if (allocated(self%orbit)) deallocate (self%orbit)
       do i = 1, size(symmetries)
          associate (places => symmetries(i)%mesh, shift => symmetries(i)%shift)
             n = size(places, 2)

@@ -100,6 +100,7 @@ contains
       !> Solution point of the branch, with its tangent.
       type(solution_point_type), intent(in) :: solution
 
+      if (allocated(self%turn%orbit)) deallocate (self%turn%orbit)
       if (.not. allocated(self%sets)) return
       if (size(self%sets) > 0) call self%fixed%find(self%balance%system, self%sets, solution%u, solution%tangent)
       if (.not. allocated(self%symmetries) .or. .not. self%fixed%is_whole()) return
