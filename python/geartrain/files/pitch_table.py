@@ -18,6 +18,8 @@ __all__ = ["PitchTable", "read_pitch_table"]
 _LARGEST = 4 * 2**20
 #: Larger errors, and errors of a smaller range, are a mistake of the unit [m]: class 1 of ISO 1328-1 allows a micrometre and more.
 _MOST, _LEAST = 1e-3, 0.5e-6
+
+
 class PitchTable(NamedTuple):
     """Cumulative errors [m], a tooth a value; the last line of them; what was assumed."""
 
