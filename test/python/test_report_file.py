@@ -198,9 +198,9 @@ def _check_sidebands(made, motion):
     for place, row in enumerate(rows[1:]):
         what, times = ("displacement", "mesh_force")[place // 3], place % 3 + 1
         lines = dict(zip(*(values.tolist() for values in motion.spectrum(what)), strict=True))
-        assert row[1] == "pinion" and row[2].startswith(what[-5:].strip("_") if place > 2 else what) and float(row[6]) > 0
+        assert row[1] == "pinion" and row[2] == ("um", "N")[place // 3] and float(row[6]) > 0
         for far, cell in zip(range(-3, 4), row[3:], strict=True):
-            assert float(cell or 0.0) == pytest.approx(lines.get(times * teeth + far, [0.0])[0], rel=1e-3)
+            assert float(cell or 0.0) == pytest.approx(lines.get(times * teeth + far, [0.0])[0], rel=5e-3)
 
 
 def test_whole_lists_as_values():

@@ -447,7 +447,7 @@ def test_from_rexs_to_a_report_with_sidebands(executable, tmp_path):
     assert run("geartrain-report", "case.h5", "-o", "report.html", cwd=tmp_path, env=scripts()).returncode == 0
     report = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "Orders and sidebands" in report and "mesh 1 - 9 x Pinion [8]" in report
-    cells = r"1 x mesh 1</td><td>Pinion \[8\]</td><td>force \[N\]</td>(<td>[\d.e-]+</td>){7}"
+    cells = r"1 x mesh 1</td><td>Pinion \[8\]</td><td>N</td>(<td>[\d.e-]+</td>){7}"
     assert re.search(r"sidebands of.*-1.*\+1.*" + cells, report, re.DOTALL)
     # The case offers the other form in its own line.
     smooth = done.stdout.replace("pitch_error_form = 'steps'", "pitch_error_form = 'polynomial'")

@@ -147,16 +147,16 @@ def sidebands(made: Document, results: Any, train: Description) -> None:
     at = f"Lambda {motion.frequency:.6g}" if motion.speed is None else f"{motion.speed:.6g} rpm"
     unit = "um" if train.characteristic_length is None else "characteristic lengths"
     places = range(-_SIDEBANDS, _SIDEBANDS + 1)
-    head = ["sidebands of", "by turns of", "amplitude", *(f"{far:+d}" if far else "0" for far in places)]
+    head = ["sidebands of", "by turns of", "in", *(f"{far:+d}" if far else "0" for far in places)]
     rows = []
-    for what, told in (("displacement", f"displacement [{unit}]"), ("mesh_force", "force [N]")):
+    for what, told in (("displacement", unit), ("mesh_force", "N")):
         lines = dict(zip(*(values.tolist() for values in motion.spectrum(what))))
         rows += [[f"{times} x mesh {number}", gear, told,
                   *(_cell(lines.get(times * mesh + far * turn), number - 1) for far in places)]
                  for number, gear, mesh, turn in errors for times in range(1, _MULTIPLES + 1)]
     made.table(head, rows)
-    made.sentence(f"Of the mesh itself, at {where}, {at}: at multiples of its frequency (0), and as many revolutions of the gear "
-                  "below and above them.")
+    made.sentence(f"Amplitudes of the displacement and of the force of the mesh itself, at {where}, {at}: at multiples of its frequency "
+                  "(0), and as many revolutions of the gear below and above them.")
 
     order, amplitude, owner, ratio = named_spectrum(motion, _LEAST)
     gears = {gear for _, gear, *_ in errors}
@@ -170,7 +170,7 @@ def sidebands(made: Document, results: Any, train: Description) -> None:
 
 
 def _cell(amplitude: Any, mesh: int) -> str:
-    return "" if amplitude is None or not amplitude[mesh] else f"{amplitude[mesh]:.4g}"
+    return "" if amplitude is None or not amplitude[mesh] else f"{amplitude[mesh]:.3g}"
 
 
 def _loudest(results: Any, meshes: Container[int], train: Description) -> tuple[Any, str]:
