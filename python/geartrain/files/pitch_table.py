@@ -159,7 +159,8 @@ def _column(name: str, rows: Sequence[_Row], heads: Sequence[int], columns: Sequ
         _check_teeth(name, rows)
         places = places[1:]
     if wanted:
-        found = [place for place in places if " ".join(columns[place].split()).lower().startswith(" ".join(wanted.split()).lower())]
+        named = {place: " ".join(columns[place].split()) for place in places}
+        found = [place for place in places if named[place].startswith(" ".join(wanted.split()))]  # Fp is not fp
         if len(found) != 1:
             raise InputError(f"{name}:{line}: error: column {shown(wanted)}: must be the heading of one column of "
                              f"{', '.join(shown(columns[place]) for place in places)}")

@@ -155,8 +155,8 @@ def sidebands(made: Document, results: Any, train: Description) -> None:
                   *(_cell(lines.get(times * mesh + far * turn), number - 1) for far in places)]
                  for number, gear, mesh, turn in errors for times in range(1, _MULTIPLES + 1)]
     made.table(head, rows)
-    made.sentence(f"Amplitudes of the displacement and of the force of the mesh itself, at {where}, {at}: at multiples of its frequency "
-                  "(0), and as many revolutions of the gear below and above them.")
+    made.sentence(f"Amplitudes of the displacement and of the force of the mesh itself, at {where}, {at}: at multiples of its "
+                  "frequency (0), and as many revolutions of the gear below and above them.")
 
     order, amplitude, owner, ratio = named_spectrum(motion, _LEAST)
     gears = {gear for _, gear, *_ in errors}
