@@ -425,10 +425,10 @@ def test_pitch_errors_of_a_table(tmp_path):
         train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "single.txt"})
         assert np.allclose(train.meshes[0].driving_pitch_error, 1e-6 * cosine * np.cumsum(singles), rtol=0, atol=5e-13)
         assert said(train.notes, "assumed", "single pitch errors, summed")
-    flanks = "Tooth;fp left;Fp left;Fp right\nNr.;mm;mm;mm\n" + "".join(
+    flanks = "Tooth;fp left;Fp left;Fp pinion right\nNr.;mm;mm;mm\n" + "".join(
         f"{t};{y / 1000};{x / 1000};{-x / 1000}\n" for t, x, y in zip(teeth, microns, singles))
     (tmp_path / "flanks.csv").write_text(flanks.replace("-", "\N{MINUS SIGN}"), encoding="utf-8")
-    for column, sign in (("Fp left", 1), ("Fp right", -1)):
+    for column, sign in (("Fp left", 1), ("Fp pinion", -1)):
         train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": f"{tmp_path}/flanks.csv#{column}"})
         assert np.allclose(train.meshes[0].driving_pitch_error, sign * 1e-6 * cosine * microns, rtol=0, atol=5e-13)
     (tmp_path / "wheel.txt").write_text("0.5\n" * 71, encoding="utf-8")

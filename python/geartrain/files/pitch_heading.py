@@ -30,8 +30,11 @@ class Heading(NamedTuple):
     unit: str | None
 
 
-def read_heading(place: str, text: str) -> Heading:
-    """The heading of a column, every word of which must be known: errors of something else, or in another unit, are refused."""
+def read_heading(place: str, text: str, chosen: bool = False) -> Heading:
+    """The heading of a column, every word of which must be known: errors of something else, or in another unit, are refused.
+
+    Beside 'Fp' or 'fp' a column that was ``chosen`` by its heading may have other words, as the name of the gear.
+    """
     units, rest = [], text
     for pattern in _PLACES:
         for inside in re.findall(pattern, rest, re.IGNORECASE):
@@ -44,7 +47,7 @@ def read_heading(place: str, text: str) -> Heading:
         raise InputError(f"{place}: error: units {shown(' and '.join(map(str, units)))}: must be one")
     words = rest.split()
     unknown = [word for word in words if not _is_known(word)]
-    if unknown:
+    if unknown and not (chosen and kind_of(words)):
         raise InputError(f"{place}: error: heading {shown(text.strip())}: {shown(' '.join(unknown))}: must say pitch errors, "
                          "cumulative ('Fp') or single ('fp')")
     return Heading(kind_of(words), units[0] if units else None)

@@ -51,7 +51,7 @@ def read_pitch_table(path: str | os.PathLike[str]) -> PitchTable:
     rows, heads = _rows(name, lines)
     columns = _headings(name, lines, rows[0], heads)
     place = _column(name, rows, heads, columns, wanted)
-    kind, unit = read_heading(f"{name}:{heads[-1] if heads else 1}", columns[place])
+    kind, unit = read_heading(f"{name}:{heads[-1] if heads else 1}", columns[place], chosen=bool(wanted))
     comments = [line for line in heads if re.match(r"(?i)\s*(#|unit|einheit)", lines[line - 1])]
     for line in comments if unit is None else []:
         found = unit_of_comment(f"{name}:{line}", lines[line - 1])
