@@ -242,6 +242,8 @@ def test_what_rexs_lacks_is_asked_for(tmp_path):
     ("Wheel 1", {"face_width": None}, "missing", "face width; 42 mm, that of its mate"),
     ("Pinion 1", {"tip_diameter": ("mm", 65.0)}, "missing", "Wheel 1 [14]: tip diameter; those of the pair are of the basic rack"),
     ("Motor", {"torque_around_u_axis": None}, "missing", "at which the most loaded mesh has 100 N/mm"),
+    ("Motor", {"u_coordinate_on_shaft": None}, "missing", "place on its shaft; u = 0"),
+    ("Motor", {"power": ("kW", 50.0)}, "not used", "its power of 50 kW: 90 N m at 1500 1/min are 14.14 kW"),
     ("Input", {"rotational_speed": None}, "missing", "speed of the gearbox (defines_speed, rotational_speed), so no &response"),
     ("Machine", {"torque_around_u_axis": ("N m", -900.0)}, "not used", "its torque of -900 N m: -1169.79 N m balances the others"),
 ])

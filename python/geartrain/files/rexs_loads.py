@@ -253,9 +253,12 @@ def _torque(machine: Machine, made: Loads, place: int, load: Component) -> tuple
     """Torque of a load about the axis of its shaft [N m], by its power where it has no torque."""
     source = machine.source
     torque = source.number(load, "torque_around_u_axis")
-    if torque is not None:
-        return torque, str(load)
     power, speed = source.number(load, "power"), made.speeds[place] * machine.sense[place] * math.pi / 30
+    if torque is not None:
+        if power is not None and made.speed and abs(abs(power) - abs(torque * speed)) > _LOSSES * abs(torque * speed):
+            source.note("not used", f"its power of {power / 1e3:g} kW: {torque:g} N m at {abs(speed) * 30 / math.pi:.6g} 1/min are "
+                                    f"{abs(torque * speed) / 1e3:.4g} kW", load)
+        return torque, str(load)
     if power is None:
         return None
     if not made.speed or speed == 0:

@@ -134,12 +134,27 @@ def _place_gears(network: Network) -> dict[int, Hashable]:
 
 def _middle(source: Source, gear: Component, rotor: Rotor) -> float:
     """u-coordinate of the middle of a gear on its shaft [m]."""
-    position = source.vector(gear, "support_vector")
-    if position is not None and rotor.origin is not None and rotor.axis is not None:
-        return round(float((position - rotor.origin) @ rotor.axis), 9)
-    u = source.number(gear, "u_coordinate_on_shaft") or 0.0
+    placed = _by_position(source, gear, rotor)
+    if placed is not None:
+        return placed
+    u = _coordinate(source, gear, rotor)
     # In version 1.0 the coordinate is that of the begin of the gear, later that of its middle.
     return u + (source.number(gear, "face_width") or 0.0) / 2 if source.file.version == "1.0" else u
+
+
+def _coordinate(source: Source, component: Component, rotor: Rotor, name: str = "u_coordinate_on_shaft") -> float:
+    """u-coordinate of a component on its shaft [m], by its position where it has none."""
+    u = source.number(component, name)
+    u = _by_position(source, component, rotor) if u is None else u
+    if u is None:
+        source.note("missing", "place on its shaft; u = 0", component)
+    return u or 0.0
+
+
+def _by_position(source: Source, component: Component, rotor: Rotor) -> float | None:
+    position = source.vector(component, "support_vector")
+    known = position is not None and rotor.origin is not None and rotor.axis is not None
+    return round(float((position - rotor.origin) @ rotor.axis), 9) if known else None  # type: ignore[operator]
 
 
 def _place(network: Network, kind: str) -> list[tuple[Component, Hashable]]:
@@ -151,7 +166,7 @@ def _place(network: Network, kind: str) -> list[tuple[Component, Hashable]]:
         for roles in source.file.related("assembly", part=component.number):
             if roles.get("assembly") is not None and roles["assembly"].kind == "shaft":
                 shaft = roles["assembly"].number
-                found.append((component, network.place(shaft, source.number(component, "u_coordinate_on_shaft") or 0.0)))
+                found.append((component, network.place(shaft, _coordinate(source, component, network.rotors[shaft]))))
                 break
     return found
 
@@ -186,11 +201,7 @@ def _end(network: Network, component: Component, part: Component, side: str) -> 
         return HOUSING
     if part.kind != "shaft":
         return "part", part.number
-    u = network.source.number(component, f"u_coordinate_on_shaft_{side}_side")
-    if u is None:
-        position, rotor = network.source.vector(component, "support_vector"), network.rotors[part.number]
-        known = position is not None and rotor.origin is not None and rotor.axis is not None
-        u = round(float((position - rotor.origin) @ rotor.axis), 9) if known else 0.0  # type: ignore[operator]
+    u = _coordinate(network.source, component, network.rotors[part.number], f"u_coordinate_on_shaft_{side}_side")
     return network.place(part.number, u)
 
 
