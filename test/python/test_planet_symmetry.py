@@ -159,3 +159,22 @@ motion = gt.read_case({str(case)!r}).train.integrate(1800.0, unit="rpm", max_per
 assert motion.separation_fraction.min() > 0.1 and motion.kind != "stationary"
 """
     subprocess.run([sys.executable, "-W", "ignore", "-c", call], check=True, timeout=60)
+
+
+@pytest.mark.full  # three motions by shooting
+def test_a_band_ends_at_the_branch_point_of_another_segment():
+    """Two planets half a cycle apart part in a pitchfork, listed with one of the segments that meet there."""
+    bodies = [gt.Body(name="motor", inertia=0.02, torque=100.0), gt.Body(name="sun"), gt.Body(name="ring", held=True),
+              gt.Body(name="carrier", inertia=0.05), gt.Body(name="load", inertia=2.0, balances=True)]
+    shafts = [gt.Shaft(between=("motor", "sun"), diameter=0.045, length=0.2, damping_ratio=0.01),
+              gt.Shaft(between=("carrier", "load"), diameter=0.09, length=0.25, damping_ratio=0.01)]
+    two = gt.Planetary(name="s", sun="sun", ring="ring", carrier="carrier", teeth=[19, 21, 61], planets=2, normal_module=2.5e-3,
+                       face_width=0.03, planet_bore=0.015, backlash=80e-6, damping_ratio=0.04, stiffness_harmonics=3,
+                       sun_error_cos=8e-6, ring_error_cos=8e-6)
+    branch = gt.Train(bodies=bodies, shafts=shafts, planetaries=[two]).response(
+        start=2250.0, stop=2400.0, unit="rpm", harmonics=0, tolerance=1e-3)
+    point, = (special.frequency for special in branch.special_points if special.kind == "branch point")
+    assert min(abs(float(edge) - point) for band in branch.bands_without_stability for edge in band[:2]) < 1e-9 * point
+    for at in (2337.0, 2338.6):
+        motion = min(branch.at(at), key=lambda one: np.ptp(one.rms[:2]))
+        assert at < point and np.ptp(motion.rms[:2]) < 1e-6 and motion.refine().stable

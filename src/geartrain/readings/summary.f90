@@ -206,6 +206,15 @@ contains
 
       change = (branch%frequency_ratio(i) + branch%frequency_ratio(i + 1))/2
       if (.not. allocated(branch%special_points)) return
+      ! Where two segments meet, the point at which both change is listed with one of them.
+      associate (from => minval(branch%frequency_ratio(i:i + 1)), to => maxval(branch%frequency_ratio(i:i + 1)))
+         do j = 1, size(branch%special_points)
+            associate (special => branch%special_points(j))
+               if (special%kind == 'branch point' .and. special%frequency_ratio > from .and. special%frequency_ratio < to) &
+                  change = special%frequency_ratio
+            end associate
+         end do
+      end associate
       do j = 1, size(branch%special_points)
          associate (special => branch%special_points(j))
             if (special%point == i + 1 .and. special%kind == 'fold') change = special%frequency_ratio

@@ -152,6 +152,7 @@ contains
             associate (now => size(self%corrector%balance%harmonic), most => self%largest())
                ! A set made where no teeth part may be larger.
                if (now > 2*most) share = 1 + epsilon(share)
+               if (now >= most .and. now <= 2*most .and. most < largest_set) return
                larger = next_set(self%corrector%balance, solution%u, self%estimate, share, most)
                if (now >= most .and. now <= 2*most .and. kept_of(larger) > least_change*now) return
             end associate
