@@ -67,7 +67,7 @@ def test_the_report_is_in_the_unit_asked_for(executable, tmp_path):
     done = run(executable, "speed.nml", "--verbose", cwd=tmp_path)
     assert done.returncode == 0 and "Lambda" not in done.stdout
     told = " ".join(done.stdout.split())
-    for words in ("mesh peak at rpm true rms [um] peak to peak [um]", "ended: reached 1680 rpm", "ended: reached 1720 rpm",
+    for words in ("mesh peak at rpm true rms [um] peak to peak [um]", "ended: from 1640 rpm: reached 1680 rpm", "ended: reached 1720 rpm",
                   "Attractors at 1500 rpm: ", "true rms [um] of each mesh", "Speeds are those of motor",
                   "loses contact at 1667.4 to 1680.0 rpm", "Jumps (true rms [um], mesh with the largest change)",
                   "damping_acts = 'contact' in &mesh"):
@@ -82,7 +82,7 @@ def test_the_report_is_in_the_unit_asked_for(executable, tmp_path):
     (tmp_path / "hertz.nml").write_text(f"{train}&response from = 8.9, to = 9.06, unit = 'Hz', {settings}\n")
     done = run(executable, "hertz.nml", "--verbose", cwd=tmp_path)
     assert done.returncode == 0 and "Lambda" not in done.stdout and "rpm" not in done.stdout
-    assert "folds at Hz" in done.stdout and "ended: reached 9.06 Hz" in done.stdout
+    assert "folds at Hz" in done.stdout and "reached 9.06 Hz" in done.stdout
     folds = re.search("folds at Hz +(.*)", done.stdout).group(1).split()
     assert float(folds[0]) == pytest.approx(1667.404 / 60 * 23 / 71, abs=1e-4)
     done = run(executable, "--audit", "hertz.nml", cwd=tmp_path)
