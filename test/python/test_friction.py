@@ -281,7 +281,10 @@ def test_response_of_random_networks(times):
         if len(branch) < 2:
             continue
         followed += 1
-        stuck += same_as_events(train, branch, [0, len(branch) // 2])
+        # At a fold a frequency that is off by rounding, 1e-13, moves the motion by the square root of it.
+        folds = {special.point for special in branch.special_points if special.kind == "fold"}
+        middle = next(point for point in range(len(branch) // 2, len(branch)) if point not in folds)
+        stuck += same_as_events(train, branch, [0, middle])
     assert followed >= 0.8 * times(10) and stuck >= 0.2 * times(10)
 
 
