@@ -2,7 +2,9 @@
 
 import base64
 import json
+import os
 import struct
+import sysconfig
 import zipfile
 from xml.sax.saxutils import escape, quoteattr
 
@@ -224,3 +226,13 @@ def planetary(planets=3, version="1.6", held=True, angles=None, spring=None):
     box.load(sun_shaft, "Motor", 140.0, defines_torque=("none", True), power=("kW", 100.0))
     box.load(carrier_shaft, "Machine", 5.0)
     return box
+
+
+def said(notes, kind, words):
+    """Notes of a kind, ``assumed``, ``missing`` or ``not used``, that have these words."""
+    return [note for note in notes if note.startswith(kind + ": ") and words in note]
+
+
+def scripts():
+    """An environment that finds the commands of the package."""
+    return {**os.environ, "PATH": os.pathsep.join([sysconfig.get_path("scripts"), os.environ["PATH"]])}

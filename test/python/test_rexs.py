@@ -3,15 +3,12 @@
 The files are written after the published schema by rexs_files.py. The files that other projects publish are read in development.
 """
 
-import os
-import re
-import sysconfig
 from math import cos, pi, radians
 
 import numpy as np
 import pytest
 from conftest import run
-from rexs_files import Gearbox, one_stage, planetary, two_stages
+from rexs_files import Gearbox, one_stage, planetary, said, scripts, two_stages
 
 import geartrain as gt
 from geartrain.files.din3967 import mean_thinning
@@ -215,10 +212,6 @@ def notes_of(box, tmp_path, **asked):
     return gt.read_rexs(box.write(tmp_path / "gearbox.rexs"), **asked).notes
 
 
-def said(notes, kind, words):
-    return [note for note in notes if note.startswith(kind + ": ") and words in note]
-
-
 def test_what_rexs_lacks_is_asked_for(tmp_path):
     notes = notes_of(two_stages(), tmp_path)
     assert said(notes, "missing", "Motor [25], Machine [26]: inertia of the machine there")
@@ -365,11 +358,6 @@ def test_load_cases(tmp_path):
 
 # The command and the executable.
 
-def scripts():
-    """An environment that finds the commands of the package."""
-    return {**os.environ, "PATH": os.pathsep.join([sysconfig.get_path("scripts"), os.environ["PATH"]])}
-
-
 def test_the_command(reducer_file, capsys, tmp_path):
     text = case_of_rexs(reducer_file)
     assert main([str(reducer_file)]) == 0 and capsys.readouterr().out == text
@@ -392,70 +380,6 @@ def test_the_executable_without_the_package(executable, tmp_path):
     assert done.returncode == 2 and "needs geartrain-rexs of the Python package" in done.stderr
     done = run(executable, "--from-rexs", "a.rexs", "b.rexs", cwd=tmp_path)
     assert done.returncode == 2 and "b.rexs is one too many" in done.stderr
-
-
-# Measured pitch errors.
-
-def test_pitch_errors_of_a_table(tmp_path):
-    """The same train as with values worked out by hand: a helical gear, from the reference circle to the line of action."""
-    file = two_stages().write(tmp_path / "gearbox.rexs")
-    microns = np.round(5 * np.sin(2 * pi * np.arange(23) / 23) + 0.4 * np.cos(9 * np.arange(23)), 2)
-    singles = np.round(np.diff(microns, prepend=microns[-1]), 2)
-    cosine = COSINE / np.hypot(COSINE, np.tan(radians(20)))  # of the transverse pressure angle
-    expected = gt.read_rexs(file).with_values({"mesh 1 driving_pitch_error": 1e-6 * cosine * microns})
-    teeth = range(1, 24)
-    tables = {
-        "plain.txt": "\n".join(map(str, microns)),
-        "numbered.csv": "# Pinion 1 [11]\ntooth,error [mm]\n" + "".join(f"{t},{x / 1000}\n" for t, x in zip(teeth, microns)),
-        "machine.txt": "Protokoll;\nZähnezahl;23\nModul [mm];2,5\n\nZahn;f_p [\N{MICRO SIGN}m];F_p [\N{MICRO SIGN}m]\n" +
-            "".join(f"{t};{x};{y}\n" for t, x, y in zip(teeth, singles, microns)).replace(".", ",") + "\nFp;12,5\nfp max;2,1\n",
-        "comma.csv": "tooth;F_p [\N{MICRO SIGN}m]\n" + "".join(f"{t};{x}\n" for t, x in zip(teeth, microns)).replace(".", ","),
-    }
-    for name, text in tables.items():
-        encoding = {"machine.txt": "cp1252", "numbered.csv": "utf-16"}.get(name, "utf-8")
-        (tmp_path / name).write_text(text, encoding=encoding)
-        for gear in ("mesh 1 driving", "Pinion 1 [11]"):
-            train = gt.read_rexs(file, pitch_errors={gear: tmp_path / name})
-            # Seven digits are written.
-            assert np.allclose(train.meshes[0].driving_pitch_error, expected.meshes[0].driving_pitch_error, rtol=0, atol=5e-13)
-            assert not train.meshes[0].driven_pitch_error and not train.meshes[1].driving_pitch_error
-            notes = [note for note in train.notes if name in note]
-            assert len(notes) == {"plain.txt": 3, "numbered.csv": 2}.get(name, 1) and f"times {cosine:.5f}" in notes[0]
-    for heading in ("fp [um]\n", "# single pitch errors\ntooth\terror [um]\n"):
-        rows = (f"{t}\t{x}\n" if "\t" in heading else f"{x}\n" for t, x in zip(teeth, singles))
-        (tmp_path / "single.txt").write_text(heading + "".join(rows))
-        train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "single.txt"})
-        assert np.allclose(train.meshes[0].driving_pitch_error, 1e-6 * cosine * np.cumsum(singles), rtol=0, atol=5e-13)
-        assert said(train.notes, "assumed", "single pitch errors, summed")
-    flanks = "Tooth;fp left;Fp left;Fp pinion right\nNr.;mm;mm;mm\n" + "".join(
-        f"{t};{y / 1000};{x / 1000};{-x / 1000}\n" for t, x, y in zip(teeth, microns, singles))
-    (tmp_path / "flanks.csv").write_text(flanks.replace("-", "\N{MINUS SIGN}"), encoding="utf-8")
-    for column, sign in (("Fp left", 1), ("Fp pinion", -1)):
-        train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": f"{tmp_path}/flanks.csv#{column}"})
-        assert np.allclose(train.meshes[0].driving_pitch_error, sign * 1e-6 * cosine * microns, rtol=0, atol=5e-13)
-    (tmp_path / "wheel.txt").write_text("0.5\n" * 71, encoding="utf-8")
-    train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "plain.txt", "Wheel 1 [14]": tmp_path / "wheel.txt"})
-    assert train.meshes[0].driving_pitch_error and train.meshes[0].driven_pitch_error == pytest.approx([0.5e-6 * cosine] * 71)
-
-
-@pytest.mark.full  # three commands, of which two start Python
-def test_from_rexs_to_a_report_with_sidebands(executable, tmp_path):
-    one_stage().write(tmp_path / "gearbox.rexs")
-    np.savetxt(tmp_path / "pinion.txt", 20 * np.cos(2 * pi * 9 * np.arange(23) / 23))
-    done = run("geartrain-rexs", "gearbox.rexs", "--pitch-errors", "Pinion [8]", "pinion.txt", cwd=tmp_path, env=scripts())
-    assert (done.returncode, done.stderr) == (0, "")
-    # A narrow range with a peak is as good a test as the range of the file.
-    (tmp_path / "case.nml").write_text(done.stdout.replace("from = 300.0", "from = 1675.0").replace("to = 1800.0", "to = 1650.0"))
-    assert run(executable, "case.nml", cwd=tmp_path).returncode == 0
-    assert run("geartrain-report", "case.h5", "-o", "report.html", cwd=tmp_path, env=scripts()).returncode == 0
-    report = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert "Orders and sidebands" in report and "mesh 1 - 9 x Pinion [8]" in report
-    cells = r"1 x mesh 1</td><td>Pinion \[8\]</td><td>N</td>(<td>[\d.e-]+</td>){7}"
-    assert re.search(r"sidebands of.*-1.*\+1.*" + cells, report, re.DOTALL)
-    # The case offers the other form in its own line.
-    smooth = done.stdout.replace("pitch_error_form = 'steps'", "pitch_error_form = 'polynomial'")
-    (tmp_path / "smooth.nml").write_text(smooth)
-    assert smooth != done.stdout and run(executable, "--check", "smooth.nml", cwd=tmp_path).returncode == 0
 
 
 # DIN 3967.

@@ -14,9 +14,10 @@ __all__ = ["UNITS", "Heading", "is_unit", "kind_of", "read_heading", "unit_of", 
 UNITS = {**dict.fromkeys(("um", "\N{MICRO SIGN}m", "\N{GREEK SMALL LETTER MU}m", "mum", "micron", "microns"), 1e-6),
          **dict.fromkeys(("micrometer", "micrometre", "mikrometer"), 1e-6), "mm": 1e-3, "nm": 1e-9, "m": 1.0}
 
-#: Words of headings: of cumulative errors, of single ones, and those that say neither. Fp and fp are those of ISO 1328-1.
-_CUMULATIVE = re.compile(r"F_?pi?|(?i:cum(ulative)?|kumul\w*|accumulated|total|index|\w*(summen?|gesamt)\w*)")
-_SINGLE = re.compile(r"f_?p(t|i|ti)?|(?i:single|individual|adjacent|\w*einzel\w*)")
+#: Words of headings: some mean cumulative errors, some single ones, some neither. ISO 1328-1 writes Fp and fp.
+_CUMULATIVE = re.compile(r"F_?pi?|(?i:cum(ulative)?|kumul\w*|accumulated|total|index|(summen?|gesamt)(teilung\w*)?|"
+                         r"teilungs-?(summen?|gesamt)\w*)")
+_SINGLE = re.compile(r"f_?p(t|i|ti)?|(?i:single|individual|adjacent|einzel(teilung\w*)?|teilungs-?einzel\w*)")
 _NEITHER = re.compile(r"(?i:errors?|dev|deviations?|(teilungs-?)?(abweichung(en)?|fehler)|pitch|teilung(en)?|values?|werte?|"
                       r"measured|gemessen|left|right|links?|rechts?|[lr][fh]?|flanks?|flanken?|linke|rechte|iso|1328(-1)?)")
 #: Where a unit may stand: in brackets, after 'in' or '/', or after a comma.
@@ -54,7 +55,7 @@ def read_heading(place: str, text: str, chosen: bool = False) -> Heading:
 
 
 def unit_of_comment(place: str, text: str) -> str | None:
-    """The unit of a comment, in brackets or after 'unit'; a number in brackets is that of a component."""
+    """The unit in a comment, in brackets or after 'unit'. A number in brackets belongs to the name of a component."""
     found = [inside for inside in re.findall(r"\[([^\]]*)\]", text) if not re.search(r"\d", inside) or is_unit(inside.split()[-1])]
     found += [inside for inside in re.findall(r"\(([^)]*)\)", text) if is_unit(inside)]
     found += re.findall(r"(?i)(?:unit|einheit)s?[\s:;=,\t]+(\S+)", text)

@@ -41,8 +41,8 @@ def read_pitch_table(path: str | os.PathLike[str]) -> PitchTable:
 
     Between numbers stand commas, semicolons, tabs or spaces; with all but commas alone a comma is a decimal comma. Text may stand
     before and after the numbers. The heading of the column, or a comment ``#``, may have the unit; else it is um. Of several
-    columns that of cumulative errors counts by its heading, ``Fp``; single pitch errors, ``fp``, are summed. ``table.txt#Fp left``
-    names a column by its heading.
+    columns the one headed ``Fp``, cumulative errors, is read; a column ``fp`` alone, single pitch errors, is summed. The name
+    ``table.txt#Fp left`` asks for the column with this heading.
     """
     name, wanted = os.fspath(path), ""
     if "#" in name and not os.path.exists(name):

@@ -22,8 +22,8 @@ _SERIES = "c25"
 _TOO_FAR = 0.08
 #: Modules [m], from those of watches to those of mills; others are a mistake of the unit.
 _MODULES = 0.02e-3, 0.2
-#: Centre distance over that of the reference circles that no profile shift explains.
-_APART = 1.3
+#: Centre distance over that of the reference circles beyond which it is in another unit: the working pressure angle is 62 degrees.
+_APART = 2.0
 #: Kinds of stages that have another geometry.
 _OTHERS = ("bevel_stage", "hypoid_stage", "worm_stage", "crown_stage", "beveloid_stage")
 
@@ -214,7 +214,7 @@ def _likely(source: Source, stage: Component, gears: tuple[Gear, Gear], distance
     usual = abs(sum(-gear.reference if gear.internal else gear.reference for gear in gears)) / 2
     if usual > 0 and not 1 / _APART < distance / usual < _APART:
         source.wrong(stage, f"a centre distance of {1e3 * distance:g} mm: reference circles of {gears[0].teeth} and "
-                            f"{gears[1].teeth} teeth touch at {1e3 * usual:.6g} mm, and profile shifts change that less")
+                            f"{gears[1].teeth} teeth touch at {1e3 * usual:.6g} mm, and no profile shift changes that so much")
     return distance
 
 

@@ -50,7 +50,7 @@ contains
       real(dp), intent(in) :: u(:, :), tangent(:, :)
       type(planet_turn_type) :: next
       real(dp), allocatable :: mean(:, :)
-      integer :: i, k, n
+      integer :: at(2), i, k, n
 
       if (allocated(self%orbit)) deallocate (self%orbit)
       do i = 1, size(symmetries)
@@ -58,8 +58,14 @@ contains
             n = size(places, 2)
             if (mod(n, 2) == 0 .or. size(places) /= size(mesh) .or. .not. abs(shift) > 0) cycle
             if (.not. all([(any(places == mesh(k)), k=1, size(mesh))])) cycle
-            next%orbit = [(findloc(mesh, places(row_of(mesh(k)), 1), 1), k=1, size(mesh))]
-            next%shift = [((place_of(mesh(k)) - 1)*shift, k=1, size(mesh))]
+            next%orbit = mesh
+            next%shift = [(0.0_dp, k=1, size(mesh))]
+            do k = 1, size(mesh)
+               ! The mesh among those of its planet, and the planet.
+               at = findloc(places, mesh(k))
+               next%orbit(k) = findloc(mesh, places(at(1), 1), 1)
+               next%shift(k) = (at(2) - 1)*shift
+            end do
             call next%take_harmonics(harmonic)
             if (.not. (moves_so(u) .and. moves_so(tangent))) cycle
             call mean_equations(system, mean, next%inverse)
@@ -67,29 +73,13 @@ contains
             self%orbit = next%orbit
             self%shift = next%shift
             self%inverse = next%inverse
-            call self%take_harmonics(harmonic)
+            self%cosine = next%cosine
+            self%sine = next%sine
             return
          end associate
       end do
 
    contains
-
-      !> Place of a mesh among those of a planet, and of its planet.
-      pure integer function row_of(number)
-         integer, intent(in) :: number
-         integer :: at(2)
-
-         at = findloc(symmetries(i)%mesh, number)
-         row_of = at(1)
-      end function row_of
-
-      pure integer function place_of(number)
-         integer, intent(in) :: number
-         integer :: at(2)
-
-         at = findloc(symmetries(i)%mesh, number)
-         place_of = at(2)
-      end function place_of
 
       !> Whether all planets move as the first one does, each by its own shift later.
       logical function moves_so(x)
