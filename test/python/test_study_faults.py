@@ -158,6 +158,24 @@ def test_a_stop_writes_what_is_done(folder, whole, number, workers):
     assert is_whole(folder, whole) and not any(Store(folder).suspects.iterdir())
 
 
+def test_a_stop_amid_the_locks_of_futures(folder, whole, tmp_path):
+    """The thread that completes the futures would wait for their locks, and the study for that thread."""
+    environment = patched(tmp_path, f"""
+        import os, signal
+        from concurrent.futures import _base
+        enter = _base._AcquireFutures.__enter__
+        def stopped(futures):
+            enter(futures)
+            if len(futures.futures) < {POINTS}:
+                os.kill(os.getpid(), signal.SIGTERM)
+        _base._AcquireFutures.__enter__ = stopped
+    """)
+    process = command(folder, "--workers", "2", environment=environment)
+    _, said = process.communicate(timeout=30)
+    assert process.returncode == 3 and "Traceback" not in said, said
+    assert is_whole(folder, whole)
+
+
 def stop_after_a_claim():
     """A process that is told to stop when it has claimed a batch and computes nothing yet."""
     make = Claim.make

@@ -6,6 +6,7 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import threading
 import time
 import warnings
 from collections.abc import Callable, Iterator, Sequence
@@ -18,7 +19,7 @@ from .study_worker import BUSY, OVER, STOPS, compute_batch, follow_client
 __all__ = ["compute_all", "cores", "executor_of"]
 
 _MOST = 512  # batches handed to an executor at a time: so the client stays small
-_POLL = 1.0  # s
+_POLL = 0.5  # s
 _PATIENCE = 2.0  # s between looks at batches that others have claimed
 _LOOKS = 5  # such looks before a warning says that it waits
 _ATTEMPTS = 5  # of a batch, or of a pool of processes without any progress
@@ -94,19 +95,20 @@ def _in_own_pools(folder: str, digest: str, blocks: list[int], workers: int, tel
         ):
             try:
                 return _on(pool, folder, digest, blocks, tell)
-            except KeyboardInterrupt:
-                line.close()  # which tells the processes to write what they have
+            except BaseException as error:
+                line.close()  # the processes write what they have and end, also where a dead one has left a queue locked
                 pool.shutdown(cancel_futures=True)
-                raise
-            except BrokenExecutor as error:
-                now = tell()
-                idle = 0 if now > known else idle + 1
-                known = now
-                if idle == _ATTEMPTS:
-                    raise SolverError(
-                        f"worker processes die without a result ({error}). A script that runs a study needs the line "
-                        'if __name__ == "__main__": before the call; else see the messages of the workers'
-                    ) from None
+                if not isinstance(error, BrokenExecutor):
+                    raise
+                broken = error
+        now = tell()
+        idle = 0 if now > known else idle + 1
+        known = now
+        if idle == _ATTEMPTS:
+            raise SolverError(
+                f"worker processes die without a result ({broken}). A script that runs a study needs the line "
+                'if __name__ == "__main__": before the call; else see the messages of the workers'
+            )
 
 
 class _Pool(ProcessPoolExecutor):
@@ -157,19 +159,41 @@ def _on(executor: Any, folder: str, digest: str, blocks: Sequence[int], tell: Ca
             while waiting and len(running) < _MOST:
                 block = waiting.pop()
                 running[executor.submit(compute_batch, folder, digest, block)] = block
-            done, _ = wait(running, _POLL, FIRST_COMPLETED)
-            for future in done:
-                block = running.pop(future)
-                again = _outcome(future, block, attempts)
-                if again == BUSY:
-                    busy.append(block)
-                elif again:
-                    waiting.append(block)
+            with _signals_later():
+                done, _ = wait(running, _POLL, FIRST_COMPLETED)
+                for future in done:
+                    block = running.pop(future)
+                    again = _outcome(future, block, attempts)
+                    if again == BUSY:
+                        busy.append(block)
+                    elif again:
+                        waiting.append(block)
             tell()
     finally:
-        for future in running:
-            future.cancel()
+        with _signals_later():
+            for future in running:
+                future.cancel()
     return busy
+
+
+@contextlib.contextmanager
+def _signals_later() -> Iterator[None]:
+    """Signals are handled at the end: an exception of a handler amid the locks of futures would leave some locked, and the thread
+    that completes the futures would wait for them without end."""
+    handlers = {number: signal.getsignal(number) for number in STOPS}
+    if threading.current_thread() is not threading.main_thread() or None in handlers.values():  # where C handles them
+        yield
+        return
+    came: list[int] = []
+    try:
+        for number in handlers:
+            signal.signal(number, lambda number, _: came.append(number))
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+        for late in dict.fromkeys(came):
+            signal.raise_signal(late)
 
 
 def _outcome(future: Future[str], block: int, attempts: dict[int, int]) -> str:
