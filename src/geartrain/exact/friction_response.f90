@@ -71,12 +71,11 @@ contains
          real(dp) :: factor
 
          tracer%system => moving
-         tracer%corrector%corners = .true.
          if (settings%parameter == '') then
             call build_system(train, system)
             factor = lambda_per(train, settings%unit)
             ends = factor*[settings%start, settings%stop]
-            call tracer%corrector%setup(moving, settings%subharmonic, 1)
+            call tracer%corrector%setup(moving, settings%subharmonic, 1, corners=.true.)
          else
             allocate (path)
             way => path
@@ -90,9 +89,9 @@ contains
             tracer%slope = path%length
             tracer%origin = min(settings%start, settings%stop) - path%length
             ends = merge([1, 2], [2, 1], settings%start < settings%stop)
-            call tracer%corrector%setup(moving, settings%subharmonic, 1, way, min(settings%start, settings%stop), second)
+            call tracer%corrector%setup(moving, settings%subharmonic, 1, way, min(settings%start, settings%stop), second, &
+                                        corners=.true.)
          end if
-         tracer%corrector%corners = .true.
          tracer%step = settings%step
          tracer%max_points = settings%max_points
          tracer%stability = settings%stability
@@ -115,6 +114,7 @@ contains
          integer :: outcome, first_points
          logical :: whole, found, stopped
 
+         ! Both traces end at a bound or beyond the amplitude limit.
          whole = .false.
          call find_start(ends(1), here, found, reason, stopped)
          if (found) then
@@ -122,7 +122,7 @@ contains
             call tracer%record(here, branch)
             call tracer%trace(here, minval(ends), maxval(ends), ends(2), branch, outcome, reason, observer, 'response')
             branch%complete = outcome == reached_end
-            whole = any(outcome == [came_back, left_by_amplitude])
+            whole = any(outcome == [reached_end, came_back, left_by_amplitude])
             stopped = outcome == cancelled
          end if
          branch%ended = reason

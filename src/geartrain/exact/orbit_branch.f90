@@ -9,9 +9,10 @@ module geartrain_exact_orbit_branch
    use geartrain_base_observer, only: observer_type
    use geartrain_base_sorting, only: ascending
    use geartrain_base_words, only: lambda, operator(//), words_type
-   use geartrain_exact_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type, short
+   use geartrain_exact_orbit_corrector, only: orbit_corrector_type, orbit_test_type, orbit_type
    use geartrain_exact_orbit_tests, only: choose_test
    use geartrain_exact_refinement, only: replace_point
+   use geartrain_floquet_multipliers, only: side_of_fold
    use geartrain_flow_orbit, only: measure
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: arrange_points, branch_type
@@ -25,16 +26,16 @@ module geartrain_exact_orbit_branch
    !> had max_points; was ended by the observer; failed with the smallest step.
    integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, full = 5, cancelled = 6, stuck = 7
    integer, parameter :: under_way = 0
-   !> Length of the first step, and of the smallest one [units_type].
-   real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-8_dp
+   !> Length of the first step, of the smallest one, and of one in which another branch may cross [units_type].
+   real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-8_dp, short = 1e-5_dp
    !> Least cosine of the angle between the tangents at the ends of the step that closes a branch [1].
    real(dp), parameter :: straight = 0.995_dp
    !> Angle between the tangents at the ends of a step [rad], and distance from its guess over its length [1], aimed at: as a rule,
-   !> and in steps shorter than `unseen` of the largest displacement or velocity, as next to a corner, too short to show the bend.
+   !> and in steps shorter than `unseen` of the largest displacement, as next to a corner, too short to show the bend.
    real(dp), parameter :: angle_aim(2) = [0.8_dp, 1.2_dp], correction_aim(2) = [0.3_dp, 0.6_dp], unseen = 0.01_dp
    !> Least and largest length of a step over that of the step before [1].
    real(dp), parameter :: least_factor = 0.4_dp, largest_factor = 3
-   !> Largest displacement or velocity above which the largest step grows in proportion to it [units_type].
+   !> Largest displacement above which the largest step grows in proportion to it [units_type].
    real(dp), parameter :: large = 5
    !> Special points that change the stability without a fold.
    character(*), parameter :: kinds(3) = [character(15) :: 'period doubling', 'neimark-sacker', 'branch point']
@@ -91,7 +92,6 @@ contains
       !> Name of the analysis that the observer is told.
       character(*), intent(in) :: analysis
       type(orbit_type) :: next, began
-      class(orbit_test_type), allocatable :: test
       real(dp) :: h, cosine, wall, longest
       integer :: steps, mesh
       logical :: success, at_bound, keep_going, closing
@@ -109,12 +109,7 @@ contains
             reason = 'cancelled at '//lambda(self%value_of(here))
             return
          end if
-         ! Along a branch the number of real multipliers above 1 is even or odd, and changes this at a fold and at a branch point
-         ! alone: else the step led to another branch.
-         if (success .and. h > short .and. self%stability) then
-            call choose_test('branch point', 1, self%corrector%units%frequency_ratio, here, next, test)
-            success = .not. allocated(test)
-         end if
+         if (success .and. h > short .and. self%stability) success = .not. leaves(here, next)
          at_bound = .false.
          if (success) at_bound = next%frequency_ratio <= low .or. next%frequency_ratio >= high
          if (success .and. steps > 3) closing = passes(self%corrector, here, began, h)
@@ -178,13 +173,24 @@ contains
       real(dp) :: factor, size
       integer :: i
 
-      size = self%corrector%units%size_of(self%system%displacements, here%states)
+      size = maxval(abs(here%states(:self%system%displacements, :)))/self%corrector%units%length
       i = merge(2, 1, h < unseen*size)
       factor = min(angle_aim(i)/max(acos(max(-1.0_dp, min(1.0_dp, cosine))), 1e-8_dp), &
                    correction_aim(i)/max(here%correction, 1e-8_dp))
       next_step = min(h*max(least_factor, min(largest_factor, factor)), &
                       self%step*max(1.0_dp, size/large))
    end function next_step
+
+   !> Whether a step leads to another branch: along a branch the number of real multipliers above 1 is even or odd, and changes this
+   !> where Lambda turns and at a branch point alone.
+   pure logical function leaves(here, next)
+      type(orbit_type), intent(in) :: here, next
+      logical :: turns, changes
+
+      turns = here%tangent_frequency*next%tangent_frequency < 0
+      changes = side_of_fold(here%multipliers) /= side_of_fold(next%multipliers)
+      leaves = turns .neqv. changes
+   end function leaves
 
    !> Whether a step passes the orbit at which the branch began.
    logical function passes(corrector, here, began, h)

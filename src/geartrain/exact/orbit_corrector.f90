@@ -18,12 +18,11 @@ module geartrain_exact_orbit_corrector
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: orbit_type, orbit_corrector_type, orbit_test_type, resolution, short
+   public :: orbit_type, orbit_corrector_type, orbit_test_type, resolution
 
-   !> Least cosine of the angle between the tangents at the ends of a step [1], and where there may be a corner; length of a step in
-   !> which another branch may cross [units_type]; largest distance of an orbit from its guess over the length of the step, where
-   !> there may be a corner [1].
-   real(dp), parameter :: least_cosine = 0.8_dp, cosine_at_corner = 0.02_dp, short = 1e-3_dp, farthest_aside = 4
+   !> Least cosine of the angle between the tangents at the ends of a step [1], and where there may be a corner; largest distance of
+   !> an orbit from its guess over the length of the step, where there may be a corner [1].
+   real(dp), parameter :: least_cosine = 0.8_dp, cosine_at_corner = 0.02_dp, farthest_aside = 4
    !> Orbits closer than this in the metric are equal: about ten times the error of shooting [units_type].
    real(dp), parameter :: resolution = 1e-10_dp
    integer, parameter :: max_steps = 60
@@ -115,7 +114,7 @@ module geartrain_exact_orbit_corrector
 contains
 
    !> Prepares for the orbits of a branch.
-   subroutine setup(self, system, period, times, path, origin, beside)
+   subroutine setup(self, system, period, times, path, origin, beside, corners)
       ! A thread's private variable has garbage where its type has default values (gfortran 12): intent(out) sets them.
       class(orbit_corrector_type), intent(out) :: self
       !> The train, a copy for this corrector alone: its orders are divided by `times`.
@@ -128,11 +127,14 @@ contains
       real(dp), intent(in), optional :: origin
       !> Room for the train with another value of the parameter.
       type(system_type), pointer, intent(in), optional :: beside
+      !> Whether the branch may have corners; default: it has none.
+      logical, intent(in), optional :: corners
       integer :: parts
 
       self%system => system
       self%period = period
       self%times = times
+      if (present(corners)) self%corners = corners
       call divide_orders(self%times, self%system)
       self%units = units_of(system)
       parts = most_parts(system, period)
@@ -147,6 +149,9 @@ contains
          allocate (self%weight(system%states, m))
          self%weight(:n, :) = 1/(m*self%units%length**2)
          self%weight(n + 1:, :) = 1/(m*(self%units%length*rate%frequency_ratio)**2)
+         ! Where an event of the motion passes the end of a section, the velocities there have a corner along a branch that is
+         ! smooth, the displacements none.
+         if (self%corners) self%weight(n + 1:, :) = 0
       end associate
    end subroutine setup
 
