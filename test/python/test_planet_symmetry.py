@@ -57,6 +57,8 @@ def test_symmetric_motions_stay_so(teeth):
 
 @pytest.mark.parametrize(("planets", "teeth", "asked"), [
     (3, (26, 31, 88), {"start": 1.2, "stop": 2.2, "harmonics": 8}),
+    (4, (21, 19, 59), {"start": 2.2, "stop": 3.2, "harmonics": 8}),
+    (6, (29, 16, 61), {"start": 1.1, "stop": 2.2, "harmonics": 8}),
     (5, (19, 21, 61), {"start": 1.1, "stop": 1.9, "harmonics": 8}),
     (5, (19, 21, 61), {"start": 1.3, "stop": 1.6, "harmonics": 0}),
     (5, (19, 21, 61), {"start": 1.3, "stop": 1.4, "harmonics": 48}),
@@ -99,6 +101,21 @@ def test_images_are_motions(broken):
         np.testing.assert_allclose(np.sort(np.abs(again.multipliers)), np.sort(np.abs(exact.multipliers)), atol=1e-7)
     # The meshes of planet 3 do what those of planet 2 do.
     assert [PlanetImages(exact.train).repeats(exact, mesh) for mesh in range(1, 7)] == 2 * [False, False, True]
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_every_other_planet_begins_to_move_by_itself():
+    """An even number of planets in sequence: branches leave on which every other planet moves differently."""
+    response = stage(4, (21, 19, 59)).response(start=1.1, stop=2.2, harmonics=20, branch_points=True)
+    points = [special for special in response.special_points if special.kind == "branch point"]
+    assert len(points) > 1
+    for point in points:
+        exact = point.exact()  # by shooting, which knows no symmetry
+        assert exact.frequency == pytest.approx(point.frequency, rel=1e-4) and exact.multiplicity == 1
+        assert np.abs(exact.critical - 1).max() < 1e-8
+    left = next(branch for branch in response.branches if "branch point" in branch.origin)
+    motion = left.at(left.frequency[len(left) // 3])[0]
+    assert np.ptp(motion.rms[:4:2]) < 1e-6 * motion.rms[0] < 1e-3 * abs(motion.rms[0] - motion.rms[1])
 
 
 @pytest.mark.nightly

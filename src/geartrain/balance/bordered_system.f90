@@ -161,7 +161,7 @@ contains
       associate (n => self%lowest%block)
          if (self%equal) then
             call self%reduced%factor(self%lowest, self%column(:n, :), self%row(:n, :), self%corner, info)
-            self%orientation = self%reduced%orientation()
+            self%orientation = self%reduced%orientation
          else
             self%lowest%column = self%column(:n, :)
             self%lowest%row = self%row(:n, :)

@@ -23,11 +23,15 @@ module geartrain_balance_equal_system
       !> Couplings of the nodes; the smaller system.
       type(graph_type), private :: graph
       type(bordered_type), private :: matrix
+      !> The system of the motions that each of an even number of planets has with the other sign than the one before.
+      type(bordered_type), private :: alternating
+      !> Sign of the determinant of the whole system, as far as it changes: other motions come in pairs, whose parts are conjugate.
+      integer :: orientation = 0
    contains
       procedure :: setup
       procedure :: factor
       procedure :: solve
-      procedure :: orientation
+      procedure, private :: fill
    end type equal_system_type
 
 contains
@@ -66,6 +70,7 @@ contains
       call graph%setup(size(self%unknown), pairs)
       self%graph = graph
       self%matrix = matrix
+      self%alternating = matrix
    end subroutine setup
 
    !> Whether the equations of an unknown have an entry in a column.
@@ -90,21 +95,46 @@ contains
       real(dp), intent(in) :: column(:, :), row(:, :), corner
       !> 0: regular; else singular or interrupted.
       integer, intent(out) :: info
-      real(dp) :: part(whole%block, whole%block)
-      integer :: entry, from, j, k, l, m, n
+      real(dp) :: part(1, whole%block)
+      integer :: j, regular
 
-      call self%matrix%resize(whole%block, self%graph)
-      self%matrix%interrupt = whole%interrupt
-      self%matrix%entry = 0
-      self%matrix%row = 0
+      call self%fill(whole, .false., self%matrix)
       self%matrix%corner = corner
       self%matrix%column = column(:, self%unknown)
       self%matrix%column(1, :) = matmul(self%inverse(self%unknown, :), column(1, :))
+      do j = 1, whole%graph%nodes
+         part(1, :) = row(:, j)
+         if (allocated(self%turn%orbit)) call self%turn%turn_columns(j, part)
+         self%matrix%row(:, self%node(j)) = self%matrix%row(:, self%node(j)) + part(1, :)
+      end do
+      call self%matrix%factor(info)
+      self%orientation = self%matrix%orientation
+      if (info /= 0 .or. .not. allocated(self%turn%other)) return
+      call self%fill(whole, .true., self%alternating)
+      self%alternating%corner = 1
+      self%alternating%column = 0
+      call self%alternating%factor(regular)
+      self%orientation = self%orientation*merge(self%alternating%orientation, 0, regular == 0)
+   end subroutine factor
+
+   !> Makes the smaller matrix, without a border.
+   subroutine fill(self, whole, alternates, matrix)
+      class(equal_system_type), intent(in) :: self
+      !> The whole system.
+      type(bordered_type), intent(in) :: whole
+      !> For motions that each planet has with the other sign than the one before.
+      logical, intent(in) :: alternates
+      !> The smaller matrix.
+      type(bordered_type), intent(inout) :: matrix
+      real(dp) :: part(whole%block, whole%block)
+      integer :: entry, from, j, k, l, m, n
+
+      call matrix%resize(whole%block, self%graph)
+      matrix%interrupt = whole%interrupt
+      matrix%entry = 0
+      matrix%row = 0
       associate (graph => whole%graph)
          do j = 1, graph%nodes
-            part(1, :) = row(:, j)
-            call turned(1)
-            self%matrix%row(:, self%node(j)) = self%matrix%row(:, self%node(j)) + part(1, :)
             ! What the column is coupled with, the diagonal included.
             do m = self%graph%row(self%node(j)), self%graph%row(self%node(j) + 1) - 1
                k = self%graph%column(m)
@@ -117,23 +147,15 @@ contains
                   l = graph%column(n)
                   part(1, :) = part(1, :) + self%inverse(self%unknown(k), l)*whole%entry(1, :, graph%entry_of(l, j))
                end do
-               call turned(whole%block)
-               self%matrix%entry(:, :, entry) = self%matrix%entry(:, :, entry) + part
+               if (allocated(self%turn%orbit)) call self%turn%turn_columns(j, part)
+               if (alternates) then
+                  if (self%turn%other(j)) part = -part
+               end if
+               matrix%entry(:, :, entry) = matrix%entry(:, :, entry) + part
             end do
          end do
       end associate
-      call self%matrix%factor(info)
-
-   contains
-
-      !> Makes the first rows of a part of column j those of the unknown that stands for it.
-      subroutine turned(rows)
-         integer, intent(in) :: rows
-
-         if (allocated(self%turn%orbit)) call self%turn%turn_columns(j, part(:rows, :))
-      end subroutine turned
-
-   end subroutine factor
+   end subroutine fill
 
    !> Solves in place.
    subroutine solve(self, x, y)
@@ -148,12 +170,5 @@ contains
       x = one(:, self%node)
       if (allocated(self%turn%orbit)) call self%turn%turn(1, x)
    end subroutine solve
-
-   !> Sign of the determinant of the smaller system.
-   pure integer function orientation(self)
-      class(equal_system_type), intent(in) :: self
-
-      orientation = self%matrix%orientation
-   end function orientation
 
 end module geartrain_balance_equal_system

@@ -2,8 +2,8 @@
 !> planets by one place, with a shift in time, leaves them as they are. The Jacobian of the balance leaves these motions to
 !> themselves, and one planet stands for all.
 !>
-!> With an odd number of planets the other motions come in pairs, whose parts of the Jacobian are conjugate: the sign of its
-!> determinant is that within the motions of this symmetry.
+!> The other motions come in pairs, whose parts of the Jacobian are conjugate and have a positive determinant; but with an even
+!> number of planets the motions in which each planet moves with the other sign than the one before are a part by themselves.
 module geartrain_balance_planet_turn
    use geartrain_balance_fixed_space, only: mean_equations
    use geartrain_base_kinds, only: dp
@@ -26,6 +26,8 @@ module geartrain_balance_planet_turn
       real(dp), allocatable :: cosine(:, :), sine(:, :)
       !> Shift of each unknown [rad of Lambda], (unknown).
       real(dp), allocatable, private :: shift(:)
+      !> Unknowns of every other planet; allocated for an even number of planets, (unknown).
+      logical, allocatable :: other(:)
    contains
       procedure :: find
       procedure :: take_harmonics
@@ -53,18 +55,21 @@ contains
       integer :: at(2), i, k, n
 
       if (allocated(self%orbit)) deallocate (self%orbit)
+      if (allocated(self%other)) deallocate (self%other)
       do i = 1, size(symmetries)
          associate (places => symmetries(i)%mesh, shift => symmetries(i)%shift)
             n = size(places, 2)
-            if (mod(n, 2) == 0 .or. size(places) /= size(mesh) .or. .not. abs(shift) > 0) cycle
+            if (size(places) /= size(mesh) .or. .not. abs(shift) > 0) cycle
             if (.not. all([(any(places == mesh(k)), k=1, size(mesh))])) cycle
             next%orbit = mesh
             next%shift = [(0.0_dp, k=1, size(mesh))]
+            next%other = [(.false., k=1, size(mesh))]
             do k = 1, size(mesh)
                ! The mesh among those of its planet, and the planet.
                at = findloc(places, mesh(k))
                next%orbit(k) = findloc(mesh, places(at(1), 1), 1)
                next%shift(k) = (at(2) - 1)*shift
+               next%other(k) = mod(at(2), 2) == 0
             end do
             call next%take_harmonics(harmonic)
             if (.not. (moves_so(u) .and. moves_so(tangent))) cycle
@@ -72,6 +77,7 @@ contains
             if (.not. allocated(next%inverse)) cycle
             self%orbit = next%orbit
             self%shift = next%shift
+            if (mod(n, 2) == 0) self%other = next%other
             self%inverse = next%inverse
             self%cosine = next%cosine
             self%sine = next%sine

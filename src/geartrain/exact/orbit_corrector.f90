@@ -149,8 +149,7 @@ contains
          allocate (self%weight(system%states, m))
          self%weight(:n, :) = 1/(m*self%units%length**2)
          self%weight(n + 1:, :) = 1/(m*(self%units%length*rate%frequency_ratio)**2)
-         ! Where an event of the motion passes the end of a section, the velocities there have a corner along a branch that is
-         ! smooth, the displacements none.
+         ! Where an event passes the end of a section, velocities have a corner along a smooth branch; displacements have none.
          if (self%corners) self%weight(n + 1:, :) = 0
       end associate
    end subroutine setup
