@@ -103,7 +103,7 @@ contains
    !> orders of a simple ratio, which keep the ratio; orders without a neighbour of the allowed error.
    subroutine nearby_orders(tests)
       class(tests_type), intent(inout) :: tests
-      integer :: nearby(3), four(4), seven(7)
+      integer :: nearby(3), four(4), seven(7), two(2)
       real(dp) :: scale, error
 
       call find_nearby_orders([15939, 75440, 288640], nearby, scale, error)
@@ -123,6 +123,10 @@ contains
       ! A pinion of 21 teeth whose errors come with its revolution: the order of its mesh is a multiple of them.
       call find_nearby_orders([16653, 5124, 1596], nearby, scale, error, [21, 1, 1])
       call tests%is_true(mod(nearby(1), 21) == 0 .and. nearby(1) < 10000 .and. error < 1e-4_dp, 'whole revolutions')
+      ! Gears of 19 and of 71 teeth, two stages apart, both with errors: the fewest cycles within 5e-4.
+      call find_nearby_orders([111967, 22933], two, scale, error, [19, 71])
+      call tests%is_true(all(two == [1387, 284]), 'revolutions of two shafts')
+      call tests%is_close(error, (73*323/4.0_dp/5893 - 1)/(73*323/4.0_dp/5893 + 1), 1e-12_dp, 'their frequencies')
    end subroutine nearby_orders
 
    !> A cycle repeated 5000 times has 20,000 events, found from samples alone, and spectra by FFT: those of the cycle, found by

@@ -10,6 +10,7 @@ from conftest import ROOT
 from scipy.integrate import solve_ivp
 
 import geartrain as gt
+from geartrain.results.orders import owners_of
 
 TEETH, GEAR = 20, 31
 #: Cumulative pitch errors of 20 teeth [m], drawn once.
@@ -214,6 +215,21 @@ def test_sidebands_have_owners():
     assert owner[39] == "2 x mesh 1 - 1 x pinion" and owner[25] == "1 x mesh 1 + 5 x pinion"
     assert owner.get(180, "9 x mesh 1") == "9 x mesh 1"
     assert table.amplitude.dims == ("order", "mesh") and table.per_revolution.values.tolist() == table.order.values.tolist()
+
+
+def test_orders_that_errors_do_not_cause():
+    """Sums of two mesh orders that have no name are sums all the same, though the gear with errors has a line there."""
+    common = {"normal_module": 3e-3, "face_width": 0.02, "stiffness": 2e8, "damping_ratio": 0.05, "stiffness_cos": [0.2, 0.1]}
+    train = gt.Train(
+        characteristic_frequency=1e3, shafts=[gt.Shaft(between=("b", "c"), stiffness=2e5, damping_ratio=0.02)],
+        bodies=[gt.Body(name="a", inertia=0.002, torque=50.0), gt.Body(name="b", inertia=0.01), gt.Body(name="c", inertia=0.003),
+                gt.Body(name="d", inertia=0.05, balances=True)],
+        meshes=[gt.Mesh(between=("a", "b"), teeth=[20, 30], driving_pitch_error=[1e-6 * tooth for tooth in range(20)], **common),
+                gt.Mesh(between=("c", "d"), teeth=[17, 41], **common)])
+    # Orders of the meshes 60 and 34, of the pinion a 3.
+    names = {4 * 60 - 3 * 34: "4 x mesh 1 - 3 x mesh 2", 60 - 3: "1 x mesh 1 - 1 x a", 2 * 60 + 3 * 3: "2 x mesh 1 + 3 x a",
+             2 * 60 + 5 * 34: "2 x mesh 1 + 5 x mesh 2"}
+    assert owners_of(train, names, {}) == [*names.values()]
 
 
 def test_two_stages_with_errors_of_their_gears():

@@ -54,6 +54,17 @@ def test_pitch_errors_of_a_table(tmp_path):
     for column, sign in (("Fp left", 1), ("Fp pinion", -1)):
         train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": f"{tmp_path}/flanks.csv#{column}"})
         assert np.allclose(train.meshes[0].driving_pitch_error, sign * 1e-6 * cosine * microns, rtol=0, atol=5e-13)
+    lines = list(zip(teeth, singles, microns, -microns))
+    grouped = "Tooth;Left;;Right;\n;fp;Fp;fp;Fp\n" + "".join(f"{t};{x};{y};{x};{z}\n" for t, x, y, z in lines)
+    printed = "          Linke Flanke          Rechte Flanke\nZahn-Nr.    fp    Fp     fp    Fp\n------------\n" + "".join(
+        f"  {t:3d}   {x:8.2f} {y:8.2f}  {x:8.2f} {z:8.2f}\n" for t, x, y, z in lines)
+    barred = "Tooth  fp left  Fp left | fp right  Fp right\n" + "".join(f"{t} {x} {y} | {x} {z}\n" for t, x, y, z in lines)
+    marked = "| Tooth | Cumulative pitch error (left) |\n| ---: | ---: |\n" + "".join(f"| {t} | {y} |\n" for t, x, y, z in lines)
+    asked = ((grouped, "#3"), (grouped, "#Left Fp"), (printed, "#Linke Flanke Fp"), (barred, "#Fp left"), (marked, ""))
+    for text, column in asked:
+        (tmp_path / "print.txt").write_text(text, encoding="utf-8")
+        train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": f"{tmp_path}/print.txt{column}"})
+        assert np.allclose(train.meshes[0].driving_pitch_error, 1e-6 * cosine * microns, rtol=0, atol=5e-13), text
     (tmp_path / "wheel.txt").write_text("0.5\n" * 71, encoding="utf-8")
     train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "plain.txt", "Wheel 1 [14]": tmp_path / "wheel.txt"})
     assert train.meshes[0].driving_pitch_error and train.meshes[0].driven_pitch_error == pytest.approx([0.5e-6 * cosine] * 71)
@@ -105,7 +116,12 @@ def test_from_rexs_to_a_report_with_sidebands(executable, tmp_path):
                             ("Total profile deviation", "profile"), ("Gesamtprofilabweichung", "Gesamtprofilabweichung"),
                             ("Einzelprofil", "Einzelprofil"))),
     ("mesh 1 driving", "Tooth No. fp [mm]\n1 5\n", [":1: error: 'Tooth No. fp [mm]': must have a heading for each of 2 columns"]),
-    ("mesh 1 driving#Fr", "tooth;Fp;fp\n1;5;5\n", ["column 'Fr': must be the heading of one column of 'Fp', 'fp'"]),
+    ("mesh 1 driving#Fr", "tooth;Fp;fp\n1;5;5\n", ["column 'Fr': must be the number of a column, 2 to 3, or the heading of one of "
+                                                     "'Fp', 'fp'"]),
+    ("mesh 1 driving", "tooth Fp Fp\n1 1 1\n", ["'Fp' and 'Fp': must be one column", "table.txt#2 names one"]),
+    ("mesh 1 driving", "left\n1;1\nright\n1;1\n", [":3: error: 'right': stands between lines of numbers: must be one table"]),
+    ("mesh 1 driving", "tooth;Abw. Fp\n1;1\n", ["'Abw.': must say pitch errors", "TABLE#HEADING takes a column by its heading"]),
+    ("mesh 1 driving", "unit: mm\ntooth;Fp [um]\n1;1\n", [":1: error: unit 'mm': another line has 'um'"]),
     ("mesh 1 driving", "# [um]\n# [mm]\ntooth;Fp\n1;5\n", [":2: error: unit 'mm': another line has 'um'"]),
     ("mesh 1 driving", "# [0.1 um]\ntooth;Fp\n1;5\n", [":1: error: unit '0.1 um'"]),
     ("mesh 1 driving", "\n# nothing\n", ["table.txt: error: has no numbers"]),

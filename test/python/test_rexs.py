@@ -232,6 +232,8 @@ def test_what_rexs_lacks_is_asked_for(tmp_path):
     ("Stage 1", {"center_distance": None}, "assumed", "centre distance 122 mm, by the positions of the gears"),
     ("Steel", {"density": None}, "missing", "density; that of steel"),
     ("Steel", {"poisson_ratio": ("none", 3.0)}, "assumed", "a Poisson's ratio of 3 is none of a solid; 0.3 (steel)"),
+    ("Steel", {"elastic_modulus": ("N / mm^2", 206.0)}, "assumed", "a modulus of elasticity of 2.06e+08 N/m^2 is none of a solid"),
+    ("Wheel 1", {"tooth_thickness_deviation_tolerance_series_din_3967_1978": None}, "missing", "c25, as of its mate"),
     ("Wheel 1", {"face_width": None}, "missing", "face width; 42 mm, that of its mate"),
     ("Pinion 1", {"tip_diameter": ("mm", 65.0)}, "missing", "Wheel 1 [14]: tip diameter; those of the pair are of the basic rack"),
     ("Motor", {"torque_around_u_axis": None}, "missing", "at which the most loaded mesh has 100 N/mm"),

@@ -50,6 +50,9 @@ def refused(path, *words):
     ("Output [", {"u_axis_vector": ("mm", [0.0, 1.0, 0.0])}, ["is not parallel to the others"]),
     ("Output [", {"data_source": ("none", "shafts.rexs")}, ["refers to another file"]),
     ("section", {"inner_diameter_begin": ("mm", 400.0)}, ["400 mm", "leave no wall"]),
+    ("section", {"length": ("mm", -40.0)}, ["length = -40 mm: must be above 0"]),
+    ("section", {"length": ("mm", 400.0)}, ["mm of its shaft, within section [", "which ends at 400 mm"]),
+    ("section", {"length": None}, ["has no section all the way from", "]: without length"]),
     ("Motor", {"transmits_torque": ("none", False)}, ["is the only external load"]),
     ("Machine", {"torque_around_u_axis": ("N m", 1.0), "defines_torque": ("none", True), "transmits_torque": ("none", False)},
      ["external loads that can balance"]),
@@ -76,6 +79,35 @@ def test_stages_of_another_geometry(tmp_path, kind):
     box = two_stages()
     box.add(kind, "Bevel set")
     refused(box.write(tmp_path / "gearbox.rexs"), kind, "only cylindrical and planetary stages are read")
+
+
+def test_couplings_load_cases_and_versions_that_cannot_be(tmp_path):
+    box = two_stages()
+    box.couple("coupling", "Hub", box.number("Input"), box.number("Output"), -1e6, u_coordinate_on_shaft_inner_side=("mm", 5.0),
+               u_coordinate_on_shaft_outer_side=("mm", 5.0))
+    refused(box.write(tmp_path / "a.rexs"), "coupling Hub [", "rotational_stiffness = -1000 N m/rad: must be 0 (open) or above")
+    speed = {"rotational_speed": ("1 / min", 800.0)}
+    for part, words in (((1, "gear_unit", "", {"operating_time_fraction": ("%", 165.0)}), "_fraction = 165 %: must be 0 to 100 %"),
+                        ((999, "shaft", "", speed), "load case: shaft 999 is no component of the file"),
+                        ((1, "shaft", "", speed), "load case: shaft 1 is a gear_unit")):
+        box = two_stages(torque=False)
+        box.load_cases.append([part])
+        for ending in (".rexs", ".rexsj"):
+            refused(box.write(tmp_path / f"a{ending}"), words)
+    refused(two_stages("2.1").write(tmp_path / "a.rexs"), "version '2.1': must be 1.0 to 2.0 of REXS")
+    word = '<attribute id="{}" unit="{}">'
+    twice = two_stages().xml().replace(word.format("normal_module", "mm"), word.format("number_of_teeth", "none"), 1)
+    (tmp_path / "a.rexs").write_text(twice)
+    refused(tmp_path / "a.rexs", "cylindrical_gear Pinion 1 [", "number_of_teeth stands in it twice")
+
+
+def test_many_components_take_no_longer_each(tmp_path):
+    """Notes of 20,000 components: the time of each must not grow with their number (a minute, where it does)."""
+    box = two_stages()
+    for _ in range(20000):
+        box.shaft("Idle", [(30.0, 0.0, 200.0)])
+    notes = gt.read_rexs(box.write(tmp_path / "a.rexs")).notes
+    assert any("and 19997 more" in note for note in notes)
 
 
 def test_what_turns_is_determined(tmp_path):

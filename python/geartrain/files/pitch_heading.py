@@ -41,7 +41,7 @@ def read_heading(place: str, text: str, chosen: bool = False) -> Heading:
         for inside in re.findall(pattern, rest, re.IGNORECASE):
             if unit_of(inside):
                 units.append(unit_of(inside))
-            elif "[" in pattern or not all(map(_is_known, inside.split())):
+            elif pattern.startswith(r"\[") or not all(map(_is_known, inside.split())):
                 raise InputError(f"{place}: error: unit {shown(inside.strip())}: must be um, mm, nm or m")
         rest = re.sub(pattern, lambda match: " " if unit_of(match[1]) else f" {match[1]} ", rest, flags=re.IGNORECASE)
     if len({*units}) > 1:
@@ -49,8 +49,9 @@ def read_heading(place: str, text: str, chosen: bool = False) -> Heading:
     words = rest.split()
     unknown = [word for word in words if not _is_known(word)]
     if unknown and not (chosen and kind_of(words)):
+        hint = "; TABLE#HEADING takes a column by its heading" if kind_of(words) else ""
         raise InputError(f"{place}: error: heading {shown(text.strip())}: {shown(' '.join(unknown))}: must say pitch errors, "
-                         "cumulative ('Fp') or single ('fp')")
+                         f"cumulative ('Fp') or single ('fp'){hint}")
     return Heading(kind_of(words), units[0] if units else None)
 
 

@@ -47,13 +47,13 @@ def read_pitch_table(path: str | os.PathLike[str]) -> PitchTable:
     name, wanted = os.fspath(path), ""
     if "#" in name and not os.path.exists(name):
         name, _, wanted = name.rpartition("#")
-    lines = decoded(name, read_bytes(name, _LARGEST)).splitlines()
+    lines = _without_bars(decoded(name, read_bytes(name, _LARGEST)).splitlines())
     rows, heads = _rows(name, lines)
     columns = _headings(name, lines, rows[0], heads)
-    place = _column(name, rows, heads, columns, wanted)
+    place = _column(name, rows, heads, columns, wanted, "," in lines[rows[0].line - 1])
     kind, unit = read_heading(f"{name}:{heads[-1] if heads else 1}", columns[place], chosen=bool(wanted))
     comments = [line for line in heads if re.match(r"(?i)\s*(#|unit|einheit)", lines[line - 1])]
-    for line in comments if unit is None else []:
+    for line in comments if unit is None else [line for line in comments if re.search(r"(?i)\b(unit|einheit)", lines[line - 1])]:
         found = unit_of_comment(f"{name}:{line}", lines[line - 1])
         if found and unit and found != unit:
             raise InputError(f"{name}:{line}: error: unit {shown(found)}: another line has {shown(unit)}")
@@ -71,6 +71,14 @@ def read_pitch_table(path: str | os.PathLike[str]) -> PitchTable:
     return PitchTable(values, rows[-1].line, assumed)
 
 
+def _without_bars(lines: list[str]) -> list[str]:
+    """Bars between columns as semicolons; between groups of columns they part nothing more than spaces do."""
+    cells = [line.strip().strip("|").split("|") for line in lines if "|" in line]
+    words = [cell.split() for row in cells for cell in row]
+    grouped = any(len(cell) > 1 and all(_number(word) is not None for word in cell) for cell in words)
+    return [line.strip().strip("|").replace("|", "  " if grouped else ";") if "|" in line else line for line in lines]
+
+
 def _rows(name: str, lines: Sequence[str]) -> tuple[list[_Row], list[int]]:
     """The lines of numbers, and the numbers of the lines of text before them, of comments too."""
     rows: list[_Row] = []
@@ -82,12 +90,13 @@ def _rows(name: str, lines: Sequence[str]) -> tuple[list[_Row], list[int]]:
         values = [_number(word) for word in words]
         is_text = [value is None and word != "" for word, value in zip(words, values)]
         if not line.strip() or line.lstrip().startswith("#") or (is_text[0] if rows else any(is_text)):
-            heads += [number] if line.strip() and not rows else []
+            heads += [number] if re.search(r"\w|\[|#", line) and not rows else []  # no rules
             after = after or (number if rows and line.strip() and not line.lstrip().startswith("#") else 0)
             continue
         place = f"{name}:{number}: error: {shown(line.strip())}"
         if after:
-            raise InputError(f"{name}:{after}: error: {shown(lines[after - 1].strip())}: stands between lines of numbers")
+            raise InputError(f"{name}:{after}: error: {shown(lines[after - 1].strip())}: stands between lines of numbers: must be "
+                             "one table, of one flank or with a column for each")
         if any(is_text) or not all(abs(value or 0.0) < float("inf") for value in values):
             raise InputError(f"{place}: must be a pitch error, or the number of a tooth and its error")
         if None in values:
@@ -137,7 +146,24 @@ def _headings(name: str, lines: Sequence[str], first: _Row, heads: Sequence[int]
     units = [unit_of(cell.strip("[]() ")) or "" for cell in found[-1]]
     if len(found) > 1 and any(found[0]) and all(unit or cell in ("", "-", "[-]") for unit, cell in zip(units[1:], found[-1][1:])):
         return [f"{above} [{unit}]" if unit else above for above, unit in zip(found[0], units)]
+    named = [heading for heading in found[-1] if heading]
+    if len(heads) > 1 and len({*named}) < len(named):
+        groups = _groups(lines[heads[-2] - 1], count)
+        return [f"{group} {own}".strip() for group, own in zip(groups, found[-1])]
     return found[-1]
+
+
+def _groups(line: str, count: int) -> list[str]:
+    """The heading of the group of each column, where the line has some: over the first column of a group, or over all alike."""
+    mark = next((mark for mark in ";\t" if mark in line), "")
+    if mark:
+        cells = [cell.strip() for cell in line.split(mark)][:count]
+        return [next((cell for cell in reversed(cells[:place + 1]) if cell), "") for place in range(count)]
+    cells = [cell for cell in re.split(r"\s{2,}", line.strip()) if cell]
+    if len(cells) < 2 or (count - 1) % len(cells) != 0:
+        return [""] * count
+    each = (count - 1) // len(cells)  # the first column is that of the teeth
+    return ["", *(cells[place // each] for place in range(count - 1))]
 
 
 def _split(line: str, separator: str, count: int) -> list[str]:
@@ -146,31 +172,35 @@ def _split(line: str, separator: str, count: int) -> list[str]:
     if count == 1:
         return [line.strip().strip("\"'").rstrip(";,")]
     words = re.findall(r"[^\s\[(]+(?:\s*\[[^]]*\]|\s*\([^)]*\)|\s+in\s+\S+|\s*/\s*\S+)?", line)
-    ways = [_cells(line, mark) for mark in (separator, ";", "\t", ",") if mark != " "]
+    ways = [_cells(line, mark) for mark in (separator, ";", "\t", ",") if mark != " "] + [re.split(r"\s{2,}", line.strip())]
     return next((way for way in [*ways, words] if len(way) == count and _number(way[-1]) is None), [""] * count)
 
 
-def _column(name: str, rows: Sequence[_Row], heads: Sequence[int], columns: Sequence[str], wanted: str) -> int:
-    """Place of the column of errors."""
+def _column(
+    name: str, rows: Sequence[_Row], heads: Sequence[int], columns: Sequence[str], wanted: str, commas: bool
+) -> int:
+    """Place of the column of errors; ``commas``: there are some among the numbers."""
     kinds = [kind_of([re.sub(r"\W.*", "", word) for word in column.split()]) for column in columns]
     line = heads[-1] if heads else rows[0].line
     places = list(range(len(columns)))
     if len(columns) > 1 and not kinds[0]:
-        _check_teeth(name, rows)
+        _check_teeth(name, rows, commas)
         places = places[1:]
     if wanted:
         named = {place: " ".join(columns[place].split()) for place in places}
         found = [place for place in places if named[place].startswith(" ".join(wanted.split()))]  # Fp is not fp
+        found = found if len(found) != 0 or not wanted.isdigit() else [place for place in places if place + 1 == int(wanted)]
         if len(found) != 1:
-            raise InputError(f"{name}:{line}: error: column {shown(wanted)}: must be the heading of one column of "
-                             f"{', '.join(shown(columns[place]) for place in places)}")
+            raise InputError(f"{name}:{line}: error: column {shown(wanted)}: must be the number of a column, {places[0] + 1} to "
+                             f"{places[-1] + 1}, or the heading of one of {', '.join(shown(columns[place]) for place in places)}")
         return found[0]
     for kind in (1, 2):
         found = [place for place in places if kinds[place] == kind]
         if len(found) > 1:
             told = " and ".join(shown(columns[place]) for place in found)
+            one = columns[found[0]] if columns.count(columns[found[0]]) == 1 else found[0] + 1
             raise InputError(f"{name}:{line}: error: {told}: must be one column of {'cumulative' if kind == 1 else 'single'} pitch "
-                             f"errors, that of the flank that bears: {os.path.basename(name)}#{columns[found[0]]} names one")
+                             f"errors, that of the flank that bears: {os.path.basename(name)}#{one} names one")
         if found:
             return found[0]
     if len(places) > 1:
@@ -179,13 +209,14 @@ def _column(name: str, rows: Sequence[_Row], heads: Sequence[int], columns: Sequ
     return places[0]
 
 
-def _check_teeth(name: str, rows: Sequence[_Row]) -> None:
+def _check_teeth(name: str, rows: Sequence[_Row], commas: bool) -> None:
     """The first of several columns numbers the teeth, from 1 or from 0 on in their order."""
     begin = 0 if all(row.values[0] == place for place, row in enumerate(rows)) else 1
     for place, row in enumerate(rows, begin):
         if row.values[0] != place:
-            raise InputError(f"{name}:{row.line}: error: tooth {shown(row.words[0])}: must be {place}: all teeth in their order; "
-                             "where a comma is a decimal comma, semicolons or spaces part the numbers")
+            hint = "; where a comma is a decimal comma, semicolons or spaces part the numbers" if commas else ""
+            raise InputError(f"{name}:{row.line}: error: tooth {shown(row.words[0])}: must be {place}: all teeth in their order"
+                             f"{hint}")
 
 
 def _summed(name: str, rows: Sequence[_Row], place: int, values: list[float]) -> list[float]:

@@ -23,7 +23,7 @@ __all__ = ["case_of_rexs", "read_rexs"]
 
 #: Types of components whose attributes are read; of others only their number is told.
 _READ = ("shaft", "shaft_section", "cylindrical_gear", "ring_gear", "cylindrical_stage", "external_load", "coupling",
-         "switchable_coupling", "additional_mass", "side_plate")
+         "switchable_coupling", "additional_mass", "side_plate", "planet_carrier")
 _RESULTS = 12
 
 

@@ -173,7 +173,8 @@ def _unpacked(path: str | os.PathLike[str], name: str) -> tuple[str, bytes]:
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, ValueError, struct.error) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{name}: error: cannot be unpacked: {error}") from None
+        told = str(error) if isinstance(error, (RuntimeError, zipfile.BadZipFile)) else "the archive is damaged"
+        raise InputError(f"{name}: error: cannot be unpacked: {told}") from None
     if len(data) > LARGEST:
         raise InputError(f"{name}: error: {found[0].filename!r} unpacks to more than {LARGEST >> 20} MB, which no gearbox needs")
     return f"{name}/{found[0].filename}", data
@@ -199,14 +200,24 @@ class _Maker:
     def file(self) -> RexsFile:
         if not self.components:
             raise InputError(f"{self.path}: error: no components: is this a REXS file?")
+        for part in (part for case in self.load_cases for part in case.values()):
+            of = self.components.get(part.number)
+            if of is None or part.kind not in ("", of.kind):
+                told = "is no component of the file" if of is None else f"is a {of.kind}"
+                raise self.wrong(part.line, f"load case: {plain(part.kind)} {part.number} {told}")
         return RexsFile(self.path, self.version, self.application, self.components, self.relations, self.load_cases)
+
+    def attribute(self, component: Component, name: str, made: Attribute) -> None:
+        if name in component.attributes:
+            raise self.wrong(made.line, f"{component.kind} {component}: {plain(name)} stands in it twice")
+        component.attributes[name] = made
 
     def wrong(self, line: int, told: str) -> InputError:
         return InputError(f"{self.path}:{line}: error: {told}")
 
     def model(self, version: Any, application: Any, line: int) -> None:
         self.version, self.application = str(version or ""), str(application or "")
-        if not re.fullmatch(r"[12]\.\d+(\.\d+)?", self.version):
+        if not re.fullmatch(r"1\.\d+(\.\d+)?|2\.0(\.\d+)?", self.version):
             raise self.wrong(line, f"version {shown(self.version)}: must be 1.0 to 2.0 of REXS")
 
     def component(self, number: Any, kind: Any, name: Any, line: int, into: dict[int, Component] | None = None) -> Component:
@@ -313,7 +324,7 @@ class _XmlReader:
             self.items = list(self.made.coded(text, self.code, self.attribute[2]))
         elif tag == "attribute" and self.attribute and self.component:
             name, unit, line = self.attribute
-            self.component.attributes[name] = Attribute(text if self.items is None else self.items, unit, line)
+            self.made.attribute(self.component, name, Attribute(text if self.items is None else self.items, unit, line))
             self.attribute = self.items = None
         elif tag == "component":
             self.component = None
@@ -357,7 +368,7 @@ def _take_json(made: _Maker, row: Mapping[str, Any], line: int, into: dict[int, 
         value = next((value for key, value in given.items() if key not in ("id", "unit")), None)
         if isinstance(value, dict) and "code" in value:
             value = made.coded(str(value.get("value")), str(value["code"]), line)
-        component.attributes[str(given.get("id"))] = Attribute(value, str(given.get("unit") or ""), line)
+        made.attribute(component, str(given.get("id")), Attribute(value, str(given.get("unit") or ""), line))
 
 
 def _rows(made: _Maker, of: Mapping[str, Any], name: str) -> list[dict[str, Any]]:

@@ -306,6 +306,9 @@ def _backlash(source: Source, stage: Component, gears: tuple[Gear, Gear], distan
     given = [gear.series for gear in gears if gear.series]
     if not given:
         source.note("missing", f"backlash; that of DIN 3967 {_SERIES}", stage)
+    for gear in gears if given else ():
+        if not gear.series:
+            source.note("missing", f"tooth thickness (DIN 3967); {given[0]}, as of its mate", gear.component)
     names = [gear.series or (given[0] if given else _SERIES) for gear in gears]
     thinning = [mean_thinning(name, gear.reference) for name, gear in zip(names, gears)]
     if thinning[0] is None or thinning[1] is None:

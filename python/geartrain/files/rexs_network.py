@@ -219,6 +219,8 @@ def _stiffness(source: Source, component: Component) -> float:
     if stiffness is None:
         source.note("missing", "torsional stiffness; rigid", component)
         return float("inf")
+    if stiffness < 0:
+        source.wrong(component, f"rotational_stiffness = {stiffness:g} N m/rad: must be 0 (open) or above")
     if stiffness >= _RIGID:
         source.note("assumed", f"rigid, as a torsional stiffness of {stiffness:g} N m/rad means", component)
     return stiffness
@@ -255,6 +257,8 @@ def _make_carriers(network: Network) -> None:
             for shaft in shafts:
                 middle = sum(network.rotors[shaft.number].ends) / 2
                 network.join(network.place(shaft.number, middle), carrier)
+                source.note("assumed", "the carrier is in the middle of its shaft, as it has no plates, and has the inertia of "
+                                       "that shaft and of its planets", stage)
         source.note("assumed", "the carrier is rigid between its plates and pins; planets turn freely on it", stage)
 
 
@@ -325,7 +329,8 @@ def _lay_out(network: Network, rotor: Rotor, bodies: list[int]) -> None:
             continue
         pieces = list(rotor.between(first, last, springs=True))
         if sum(piece.width for piece in pieces) < (last - first) * (1 - 1e-6):
-            source.wrong(rotor.component, f"has no section all the way from {1e3 * first:g} mm to {1e3 * last:g} mm")
+            told = f"; {', '.join(rotor.empty)}: without length" if rotor.empty else ""
+            source.wrong(rotor.component, f"has no section all the way from {1e3 * first:g} mm to {1e3 * last:g} mm{told}")
         network.springs.append(Spring((one, other), str(rotor.component), pieces, rotor.shear_modulus))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -16,8 +17,10 @@ from .rexs_source import Source
 __all__ = ["STEEL_DENSITY", "Piece", "Rotor", "density_of", "modulus_of", "read_shaft"]
 
 STEEL_DENSITY, _STEEL_MODULUS, _STEEL_RATIO = 7850.0, 2.06e11, 0.3
-#: Moduli of elasticity of solids [N/m^2]; some programs make a shaft rigid by a larger one.
-_MODULI = 1e8, 1e12
+#: Moduli of elasticity of solids that gears and shafts are made of [N/m^2]; some programs make a shaft rigid by a larger one.
+_MODULI = 5e8, 1e12
+#: Sections that overlap by less are rounded [m].
+_ROUNDED = 1e-5
 #: Places nearer than this part of the shaft's diameter are one.
 _NEAR = 0.1
 
@@ -68,6 +71,8 @@ class Rotor:
         [kg/m^3], [N/m^2]; the modulus is infinite of a rigid shaft.
     places : list of float
         u-coordinates [m] of gears, loads and couplings, ascending.
+    empty : list of str
+        Sections without a length.
     """
 
     component: Component
@@ -77,6 +82,7 @@ class Rotor:
     shear_modulus: float
     sections: list[_Section] = field(default_factory=list)
     places: list[float] = field(default_factory=list)
+    empty: list[str] = field(default_factory=list)
 
     @property
     def ends(self) -> tuple[float, float]:
@@ -140,9 +146,12 @@ def read_shaft(source: Source, component: Component) -> Rotor:
         if section is None or section.kind != "shaft_section":
             continue
         length_of = source.number(section, "length")
-        if length_of is None or length_of <= 0:
-            told = "without length" if length_of is None else f"of length {1e3 * length_of:g} mm"
-            source.note("not used", f"a section {told}", component)
+        if length_of is None or length_of == 0:
+            source.note("not used", f"a section {'without length' if length_of is None else 'of length 0'}", component)
+            rotor.empty.append(str(section))
+            continue
+        if length_of < 0:
+            source.wrong(section, f"length = {1e3 * length_of:g} mm: must be above 0")
             continue
         begin = source.number(section, "u_coordinate_on_shaft")
         begin = along if begin is None else begin
@@ -160,6 +169,10 @@ def read_shaft(source: Source, component: Component) -> Rotor:
             source.note("assumed", "cones are cylinders of the same torsional stiffness, or of the same inertia", component)
         rotor.sections.append(_Section(begin, along, outers, bores, section))
     rotor.sections.sort(key=lambda section: section.begin)
+    for one, other in pairwise(rotor.sections):
+        if other.begin < one.end - _ROUNDED:
+            source.wrong(other.source, f"begins at {1e3 * other.begin:g} mm of its shaft, within {one.source}, which ends at "
+                                       f"{1e3 * one.end:g} mm")
     return rotor
 
 

@@ -63,7 +63,7 @@ class Source:
 
     def __init__(self, file: RexsFile, load_case: int | None) -> None:
         self.file = file
-        self._notes: dict[tuple[str, str], list[str]] = {}
+        self._notes: dict[tuple[str, str], dict[str, None]] = {}
         self.used: set[tuple[str, str]] = set()
         self.problems: list[str] = []
         self._set: dict[int, Component] = {}
@@ -73,17 +73,18 @@ class Source:
 
     def note(self, kind: str, told: str, *of: Any) -> None:
         """Say what was ``assumed``, is ``missing`` or is ``not used``; the same of several components once."""
-        found = self._notes.setdefault((kind, told), [])
-        found += [str(one) for one in of if str(one) not in found]
+        self._notes.setdefault((kind, told), {}).update(dict.fromkeys(map(str, of)))
 
     @property
     def notes(self) -> list[str]:
         """One an assumption; each begins with ``assumed:``, ``missing:`` or ``not used:``."""
-        return [plain(": ".join(word for word in (kind, _some(of), told) if word)) for (kind, told), of in self._notes.items()]
+        return [plain(": ".join(word for word in (kind, _some([*of]), told) if word)) for (kind, told), of in self._notes.items()]
 
     def wrong(self, component: Component, told: str, line: int = 0) -> None:
-        """Keep a problem; `check` raises them all."""
-        self.problems.append(f"{self.file.path}:{line or component.line}: error: {component.kind} {plain(str(component))}: {told}")
+        """Keep a problem; `check` raises them all. Its line is that of the attribute that it begins with, else of the component."""
+        of = component.attributes.get(told.split(" ")[0].rstrip(":"))
+        line = line or (of.line if of else component.line)
+        self.problems.append(f"{self.file.path}:{line}: error: {component.kind} {plain(str(component))}: {told}")
 
     def refuse(self, told: str) -> NoReturn:
         """End at once, with all problems so far."""
@@ -202,7 +203,9 @@ class Source:
         """Share of a load case in the time [%]; 0 where it is not told."""
         for component in _of(case.values(), "gear_unit"):
             share = self.number(component, "operating_time_fraction")
-            if share is not None:
+            if share is not None and not 0 <= share <= 1:
+                self.wrong(component, f"operating_time_fraction = {100 * share:g} %: must be 0 to 100 %")
+            elif share is not None:
                 return 100 * share
         return 0.0
 

@@ -12,7 +12,8 @@ from .excitation import gear_names
 
 __all__ = ["named_orders", "orders_of", "owners_of"]
 
-_MULTIPLES, _SUMS = 8, 5  # largest multiple of a mesh order; largest of both multiples of a sum or difference
+_MULTIPLES, _SUMS = 8, 5  # largest multiple of a mesh order; largest of both multiples of a sum or difference that has a name
+_FAR_SUMS = 20  # and of one that explains a line of a spectrum better than a sideband far from its mesh order
 _SIDEBANDS = 3  # sidebands on either side that have names
 
 
@@ -26,14 +27,8 @@ def named_orders(train: Description) -> dict[float, str]:
         meshes[order] = f"{meshes[order]}, {number}" if order in meshes else f"mesh {number}"
     if meshes.keys() == {1} and not train._outline["speed"]:
         return {}
-    multiples = [(times, base, name if times == 1 else f"{times} x {name}") for base, name in meshes.items()
-                 for times in range(1, _MULTIPLES + 1)]
-    known = [(times, times * base, name) for times, base, name in multiples]
-    for (times, base, name), (others, other, second) in permutations(multiples, 2):
-        if base != other and times + others <= _SUMS:
-            known.append((times + others, times * base - others * other, f"{name} - {second}"))
-            if base > other:
-                known.append((times + others, times * base + others * other, f"{name} + {second}"))
+    known = [(times, times * base, _times(times, name)) for base, name in meshes.items() for times in range(1, _MULTIPLES + 1)]
+    known += _sums(meshes, _SUMS)
     for number, gear, mesh, turn in gears_with_errors(train):
         for times, far, side in product(range(1, _MULTIPLES + 1), range(1, _SIDEBANDS + 1), (1, -1)):
             name = f"{times} x mesh {number} {'+' if side > 0 else '-'} {far} x {gear}"
@@ -49,6 +44,23 @@ def named_orders(train: Description) -> dict[float, str]:
     return {**named, **bodies}
 
 
+def _sums(meshes: dict[int, str], most: int) -> list[tuple[int, int, str]]:
+    """Sums and differences of multiples of two mesh orders: both multiples together, order and name."""
+    found = []
+    for (base, name), (other, second) in permutations(meshes.items(), 2):
+        for times, others in product(range(1, most), repeat=2):
+            if times + others <= most:
+                words = _times(times, name), _times(others, second)
+                found.append((times + others, times * base - others * other, " - ".join(words)))
+                if base > other:
+                    found.append((times + others, times * base + others * other, " + ".join(words)))
+    return found
+
+
+def _times(times: int, name: str) -> str:
+    return name if times == 1 else f"{times} x {name}"
+
+
 def gears_with_errors(train: Description) -> list[tuple[int, str, int, int]]:
     """Number of the mesh, name of the gear, orders of the mesh and of the revolution of the gear, of gears with errors."""
     numbers = train.explain()
@@ -62,18 +74,23 @@ def gears_with_errors(train: Description) -> list[tuple[int, str, int, int]]:
 
 
 def owners_of(train: Description, orders: Iterable[float], names: dict[float, str]) -> list[str]:
-    """What each order comes from: its name, or the nearest sideband that it is; ``''`` where nothing is known."""
+    """What each order comes from: its name, or what takes the fewest multiples; ``''`` where nothing is known."""
     gears, meshes = gears_with_errors(train), [int(order) for order in train._outline["order"][:len(train.meshes)]]
     exact = {round(order, 6): name for order, name in names.items()}
+    sums: dict[int, tuple[float, str]] = {}
+    for count, order, name in _sums({order: f"mesh {number}" for number, order in reversed([*enumerate(meshes, 1)])}, _FAR_SUMS):
+        sums[order] = min(sums.get(order, (count, name)), (count, name))
 
     def owner(order: float) -> str:
-        found = [(0.0, f"{order / mesh:.0f} x mesh {number}") for number, mesh in enumerate(meshes, 1) if not order % mesh]
+        found = [(order / mesh, f"{order / mesh:.0f} x mesh {number}") for number, mesh in enumerate(meshes, 1) if not order % mesh]
+        found += [sums[round(order)]] if round(order) in sums else []
         for number, gear, mesh, turn in gears:
             times = round(order / mesh)
             far = (order - times * mesh) / turn
             if abs(far - round(far)) < 1e-6:
                 turns = f"{abs(round(far))} x {gear}"
-                found.append((abs(far), f"{times} x mesh {number} {'+' if far > 0 else '-'} {turns}" if times else turns))
+                name = f"{times} x mesh {number} {'+' if far > 0 else '-'} {turns}" if times else turns
+                found.append((times + abs(far) + 1, name))
         return min(found)[1] if found else ""
 
     return [exact.get(round(float(order), 6)) or owner(float(order)) for order in orders]

@@ -5,6 +5,8 @@ module geartrain_flow_start_state
    use geartrain_balance_motion, only: motion_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_random, only: begin_random, generator_type
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: sample
    use geartrain_network_receptance, only: linear_displacements
    use geartrain_network_system, only: system_type
    use geartrain_network_units, only: mesh_frequencies
@@ -64,7 +66,10 @@ contains
       type(system_type), target, allocatable :: own
       type(system_type), pointer :: at_speed
       real(dp), allocatable :: u(:, :)
-      complex(dp), allocatable :: amplitudes(:, :), turned(:)
+      complex(dp), allocatable :: amplitudes(:, :)
+      complex(dp) :: now
+      real(dp), allocatable :: own_coefficients(:)
+      type(transform_type) :: transform
       real(dp) :: mean(system%elements)
       real(dp) :: first
       integer :: i, k
@@ -100,18 +105,20 @@ contains
                    + system%mean%linear_displacement(system%cut, i, balance%force(1, :), at_speed%static_force)
       end do
       mean(system%cut%element) = u(1, :)
-      do i = 1, size(states, 2)
-         associate (phase => first + 2*pi*(i - 1)/size(states, 2), state => states(:, i), d => system%displacements)
-            state = 0
-            state(:d) = mean(:d)
-            do k = 1, size(balance%harmonic)
-               associate (r => balance%harmonic(k))
-                  turned = amplitudes(:system%coordinates, k)*exp(cmplx(0, r*phase, dp))
-                  state(:d) = state(:d) + turned(:d)%re
-                  state(d + 1:) = state(d + 1:) - r*motion%frequency_ratio/motion%period*turned%im
-               end associate
-            end do
-         end associate
+      call transform%plan(size(states, 2))
+      allocate (own_coefficients(1 + 2*size(balance%harmonic)))
+      do i = 1, system%coordinates
+         own_coefficients(1) = mean(i)
+         do k = 1, size(balance%harmonic)
+            now = amplitudes(i, k)*exp(cmplx(0, balance%harmonic(k)*first, dp))
+            own_coefficients(2*k:2*k + 1) = [now%re, -now%im]
+         end do
+         if (i <= system%displacements) then
+            call sample(own_coefficients, balance%harmonic, transform)
+            states(i, :) = transform%sample
+         end if
+         call sample(own_coefficients, balance%harmonic, transform, derivative=.true.)
+         states(system%displacements + i, :) = transform%sample*(motion%frequency_ratio/motion%period)
       end do
    end subroutine states_of
 

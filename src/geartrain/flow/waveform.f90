@@ -7,7 +7,8 @@ module geartrain_flow_waveform
    use geartrain_flow_orbit, only: flow_tolerance, sample_orbit
    use geartrain_flow_shaft_torque, only: torque_series
    use geartrain_flow_start_state, only: states_of
-   use geartrain_linalg_trigonometric, only: evaluate
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: sample
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -65,21 +66,24 @@ contains
       real(dp), intent(out) :: displacement(:, :)
       real(dp), intent(out), optional :: force(:, :), velocity(:, :)
       integer, allocatable :: harmonic(:)
-      real(dp) :: slope, curvature
+      type(transform_type) :: transform
       integer :: samples, q, j, k
 
       samples = size(displacement, 1)
+      call transform%plan(samples)
       harmonic = [(k, k=1, (size(motion%coefficients, 1) - 1)/2)]
       do j = 1, system%meshes
-         do q = 1, samples
-            associate (theta => 2*pi*(q - 1)/samples)
-               call evaluate(motion%coefficients(:, j), harmonic, theta, displacement(q, j), slope, curvature)
-               slope = slope*motion%frequency_ratio/period
-               if (present(velocity)) velocity(q, j) = slope
-               if (present(force)) &
-                  force(q, j) = system%load_unit(j)*system%law(j)%force(period*theta, displacement(q, j), slope)
-            end associate
-         end do
+         call sample(motion%coefficients(:, j), harmonic, transform)
+         displacement(:, j) = transform%sample
+         if (.not. (present(velocity) .or. present(force))) cycle
+         call sample(motion%coefficients(:, j), harmonic, transform, derivative=.true.)
+         associate (slope => transform%sample*(motion%frequency_ratio/period))
+            if (present(velocity)) velocity(:, j) = slope
+            if (.not. present(force)) cycle
+            do q = 1, samples
+               force(q, j) = system%load_unit(j)*system%law(j)%force(period*(2*pi*(q - 1)/samples), displacement(q, j), slope(q))
+            end do
+         end associate
       end do
    end subroutine sum_series
 

@@ -97,8 +97,8 @@ contains
          if (present(within)) within = .false.
          call checker%problems%add('all meshes together repeat themselves after '//integer_text(order)//' cycles of mesh '// &
             integer_text(fastest_mesh)//', and a periodic motion of more than '//integer_text(most_cycles)//' cycles is not &
-            &computed: integrate in time (integration, run_up), or take numbers of teeth with common &
-            &divisors', group, 1)
+            &computed: integrate in time (integration, run_up), give the errors of the gears of one shaft &
+            &at a time, or take numbers of teeth with common divisors', group, 1)
       end associate
    end subroutine check_common_period
 

@@ -11,9 +11,9 @@ module geartrain_train_nearby_orders
    !> Most cycles of a mesh in a period of the fundamental that a harmonic balance or a monodromy matrix is made for.
    integer, parameter :: most_cycles = 10000
    !> Relative error of the frequencies that is wanted, and that is allowed, further where there are no such orders, as with gears
-   !> of many teeth that have errors: an amplitude on the flank of a resonance of 0.4 % of critical damping changes by 1/0.008 times
-   !> as much.
-   real(dp), parameter :: wanted = 5e-6_dp, allowed(2) = [1e-5_dp, 1e-4_dp]
+   !> of many teeth, or on several shafts, that have errors: an amplitude on the flank of a resonance of 0.4 % of critical damping
+   !> changes by 1/0.008 times as much.
+   real(dp), parameter :: wanted(3) = [5e-6_dp, 5e-6_dp, 2e-4_dp], allowed(3) = [1e-5_dp, 1e-4_dp, 5e-4_dp]
    !> Fewest cycles of the fastest mesh.
    integer, parameter :: fewest = 1000
    !> Orders whose ratio is one of whole numbers up to this one keep their ratio: sums of few harmonics of one are harmonics of the
@@ -54,7 +54,7 @@ contains
             nearby = rounded
             scale = (maxval(ratio) + minval(ratio))/2
             error = off
-            if (error < wanted) return
+            if (error < wanted(k)) return
          end do
          if (any(nearby /= order)) return
       end do
