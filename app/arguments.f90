@@ -73,6 +73,8 @@ contains
             if (index(word, '--output=') == 1) then
                arguments%output_file = word(10:)
                if (arguments%output_file == '') arguments%wrong = '--output needs the name of a file'
+            else if (word == '--pitch-errors' .or. word == '--load-case') then
+               arguments%wrong = word//' is an option of geartrain-rexs, by which --from-rexs reads the file'
             else if (index(word, '-') == 1) then
                call unknown_option(word, arguments%wrong)
             else

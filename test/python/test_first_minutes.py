@@ -42,6 +42,8 @@ def test_a_new_case_overwrites_nothing(executable, tmp_path):
 def test_a_misspelt_option_is_told(executable, tmp_path):
     done = run(executable, "--chek", "case.nml", cwd=tmp_path)
     assert done.returncode == 2 and "unknown option --chek (did you mean --check?)" in done.stderr
+    done = run(executable, "--from-rexs", "a.rexs", "--pitch-errors", "mesh 1 driving", "a.txt")
+    assert done.returncode == 2 and "--pitch-errors is an option of geartrain-rexs" in done.stderr
     assert "needs bash, zsh or fish" in run(executable, "--completion", "tcsh", cwd=tmp_path).stderr
 
 

@@ -82,6 +82,8 @@ def test_the_table_of_the_page(tmp_path):
     ("teeth 2", "teeth 3", ["teeth: has 1, 3: must begin with 1"]),
     ("0.02,90", "0.02 3,90", ["inertia = '0.02 3': must be one number"]),
     ("0.02,90", "nan,90", ["must be a number"]),
+    ("0.02,90", "-0.02,90", [":6: error: &body 1: inertia = -0.02: must be >= 0"]),
+    ("body,load", "body,loads", ["error: &shaft ", "'load': is the name of no &body", "did you mean 'loads'?"]),
     ("body,load,1.5,,yes", "body,load,1.5,,yes,more", ["column 6: '' is no variable of &body: the column has no heading"]),
     ("part,title,speed_of\n", "", [":1: error: begins with 'train': the first row must have headings"]),
     ("body,load", "body,motor", ["motor"]),

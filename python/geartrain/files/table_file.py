@@ -8,6 +8,7 @@ import io
 import os
 import re
 import zipfile
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
@@ -85,9 +86,22 @@ def read_table(path: str | os.PathLike[str]) -> Train:
         raise InputError("\n".join(problems))
     if not groups:
         raise InputError(f"{name}: error: no row below a heading {_PART!r}: one a part of the train, {', '.join(_KINDS)}")
-    if not any(group == "train" for group, _ in groups):
-        groups.insert(0, ("train", {}))
-    return Train._of(groups)
+    places, counts = {}, Counter[str]()
+    for kind, _, place in groups:
+        counts[kind] += 1
+        places[f"&{kind} {counts[kind]}"] = place
+    if not any(kind == "train" for kind, _, _ in groups):
+        groups.insert(0, ("train", {}, ""))
+    try:
+        return Train._of([group[:2] for group in groups])
+    except InputError as error:
+        raise InputError("\n".join(_placed(line, places) for line in str(error).splitlines())) from None
+
+
+def _placed(line: str, places: dict[str, str]) -> str:
+    """A line of a message after the row of the part that it begins with."""
+    place = places.get(line.partition(":")[0])
+    return f"{place}: error: {line}" if place else line
 
 
 Rows = Iterator[tuple[str, Sequence[Any]]]
@@ -100,7 +114,7 @@ def _of_text(name: str, data: bytes) -> tuple[Rows, bool]:
     delimiter = max(",;\t", key=heading.count)
 
     def rows() -> Rows:
-        reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
+        reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, skipinitialspace=True, strict=True)
         try:
             for row in reader:
                 yield f"{name}:{reader.line_num}", row
@@ -126,10 +140,10 @@ def _of_spreadsheet(name: str, data: bytes) -> Rows:
     return iter(found)
 
 
-def _groups(name: str, rows: Rows, comma: bool, problems: list[str]) -> list[tuple[str, dict[str, Any]]]:
-    """The parts of a table, as `Train` takes them; what is wrong goes into ``problems``."""
+def _groups(name: str, rows: Rows, comma: bool, problems: list[str]) -> list[tuple[str, dict[str, Any], str]]:
+    """The parts of a table, as `Train` takes them, and their places; what is wrong goes into ``problems``."""
     columns: list[_Column] | None = None
-    found: list[tuple[str, dict[str, Any]]] = []
+    found: list[tuple[str, dict[str, Any], str]] = []
     for count, (place, row) in enumerate(rows):
         if count == _MOST_ROWS:
             raise InputError(f"{name}: error: more than {_MOST_ROWS} rows")
@@ -149,7 +163,7 @@ def _groups(name: str, rows: Rows, comma: bool, problems: list[str]) -> list[tup
             problems.append(f"{place}: error: {shown(cells[0])}: must be one of {', '.join(_KINDS)}{_near(kind, _KINDS)}")
         else:
             values = _values(place, kind, columns, cells, comma, problems)
-            found.append((kind, values))
+            found.append((kind, values, place))
     return found
 
 
