@@ -230,6 +230,7 @@ def test_orders_that_errors_do_not_cause():
     names = {4 * 60 - 3 * 34: "4 x mesh 1 - 3 x mesh 2", 60 - 3: "1 x mesh 1 - 1 x a", 2 * 60 + 3 * 3: "2 x mesh 1 + 3 x a",
              2 * 60 + 5 * 34: "2 x mesh 1 + 5 x mesh 2"}
     assert owners_of(train, names, {}) == [*names.values()]
+    assert owners_of(train, [4 * 60 - 3 * 34 + 0.5], {}) == [""]  # a sub-harmonic
 
 
 def test_two_stages_with_errors_of_their_gears():

@@ -83,7 +83,7 @@ def owners_of(train: Description, orders: Iterable[float], names: dict[float, st
 
     def owner(order: float) -> str:
         found = [(order / mesh, f"{order / mesh:.0f} x mesh {number}") for number, mesh in enumerate(meshes, 1) if not order % mesh]
-        found += [sums[round(order)]] if round(order) in sums else []
+        found += [sums[int(order)]] if order.is_integer() and int(order) in sums else []
         for number, gear, mesh, turn in gears:
             times = round(order / mesh)
             far = (order - times * mesh) / turn
