@@ -165,8 +165,10 @@ def sidebands(made: Document, results: Any, train: Description) -> None:
     largest = np.sort(np.concatenate([rank[~sides[rank]][:_ORDERS], rank[sides[rank]][:_ORDERS]]))
     rows = [[f"{order[i] / (ratio or 1):.6g}", owner[i], *(f"{value:.4g}" for value in amplitude[i])] for i in largest]
     made.table([f"order of {train.speed_name}" if ratio else "order", "what it comes from", *train.mesh_elements], rows)
+    least = "a ten-thousandth of the largest amplitude"
     made.sentence(f"Amplitudes of the mesh displacements of the same motion, in {unit}: the {_ORDERS} largest orders of the meshes "
-                  f"and the {_ORDERS} largest of gears with errors, from a ten-thousandth of the largest amplitude on.")
+                  + (f"and the {_ORDERS} largest of gears with errors, from {least} on." if sides.any() else
+                     f"from {least} on; no order of a gear with errors has as much."))
 
 
 def _cell(amplitude: Any, mesh: int) -> str:
