@@ -65,6 +65,10 @@ def test_pitch_errors_of_a_table(tmp_path):
         (tmp_path / "print.txt").write_text(text, encoding="utf-8")
         train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": f"{tmp_path}/print.txt{column}"})
         assert np.allclose(train.meshes[0].driving_pitch_error, 1e-6 * cosine * microns, rtol=0, atol=5e-13), text
+    for factor, told in ((1, False), (-1, True)):
+        (tmp_path / "both.txt").write_text("tooth fp Fp\n" + "".join(f"{t} {factor * x} {y}\n" for t, x, y, _ in lines))
+        notes = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "both.txt"}).notes
+        assert bool(said(notes, "assumed", "Fp holds, though the single errors beside it are not its differences")) == told
     (tmp_path / "wheel.txt").write_text("0.5\n" * 71, encoding="utf-8")
     train = gt.read_rexs(file, pitch_errors={"mesh 1 driving": tmp_path / "plain.txt", "Wheel 1 [14]": tmp_path / "wheel.txt"})
     assert train.meshes[0].driving_pitch_error and train.meshes[0].driven_pitch_error == pytest.approx([0.5e-6 * cosine] * 71)

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Sequence
 from decimal import Decimal
+from itertools import pairwise
 from typing import NamedTuple
 
 from ..errors import InputError, shown
@@ -67,6 +68,8 @@ def read_pitch_table(path: str | os.PathLike[str]) -> PitchTable:
         assumed.append("single pitch errors, summed from tooth 1 on")
     elif kind == 0:
         assumed.append("cumulative, as no heading has 'fp' or 'single'")
+    elif _contradicts(rows, columns, place):
+        assumed.append(f"{columns[place]} holds, though the single errors beside it are not its differences")
     _check_size(name, rows, place, values, unit)
     return PitchTable(values, rows[-1].line, assumed)
 
@@ -232,6 +235,20 @@ def _summed(name: str, rows: Sequence[_Row], place: int, values: list[float]) ->
         reached += value - total / len(values)
         found.append(reached)
     return found
+
+
+def _contradicts(rows: Sequence[_Row], columns: Sequence[str], place: int) -> bool:
+    """Whether single errors of the same flank stand beside cumulative ones and are not their differences."""
+    words = [column.split() for column in columns]
+    flanks = [[word for word in own if not kind_of([word])] for own in words]
+    beside = [other for other, own in enumerate(words) if kind_of(own) == 2 and flanks[other] == flanks[place]]
+    if len(beside) != 1 or len(rows) < 3:
+        return False
+    reached, single = ([row.values[column] for row in rows] for column in (place, beside[0]))
+    steps = [after - before for before, after in pairwise(reached)]
+    # A step leads to a tooth, or on from it.
+    off = min(max(abs(step - error) for step, error in zip(steps, errors)) for errors in (single[1:], single[:-1]))
+    return off > 0.1 * (max(reached) - min(reached))
 
 
 def _check_size(name: str, rows: Sequence[_Row], place: int, values: Sequence[float], unit: str | None) -> None:
