@@ -1,9 +1,11 @@
 """Planetary sets in short form: as the set written by hand, and phases by the geometry of the teeth."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import ROOT, run
 
 import geartrain as gt
 
@@ -191,6 +193,47 @@ def test_face_widths_and_moduli_of_each_gear():
     for mesh, (one, other) in (("mesh 1", (steel, 1.1e11)), ("mesh 4", (1.1e11, 1.7e11))):
         share = 2 * one * other / (one + other) / steel
         assert iron[mesh]["single_stiffness"] == pytest.approx(share * plain[mesh]["single_stiffness"], rel=1e-12)
+
+
+@pytest.mark.parametrize("error", [1.0e-6, 2.0e-6, 2.4e-6, 2.51e-6])
+def test_stiffness_and_load_of_a_planet_go_together(error):
+    """A planet that lies back takes less load, by ISO 6336-1 is softer, and takes less again: both are those of one another."""
+    numbers = gt.Train(
+        characteristic_frequency=1e4, shafts=[],
+        bodies=[gt.Body(name="sun", torque=60.0), gt.Body(name="ring", held=True),
+                gt.Body(name="arm", inertia=0.05, balances=True)],
+        planetaries=[gt.Planetary(name="set", sun="sun", ring="ring", carrier="arm", teeth=[24, 30, 84], planets=4,
+                                  normal_module=1.75e-3, helix_angle=15.0, face_width=0.025, backlash=60e-6, damping_ratio=0.05,
+                                  planet_errors=[0.0, 0.0, -error, 0.0])]).explain()
+    meshes = [numbers[f"mesh {number}"] for number in range(1, 9)]
+    for mesh, first in zip(meshes, 4 * meshes[:1] + 4 * meshes[4:5], strict=True):
+        assert mesh["stiffness"] == pytest.approx(0.025 * mesh["mesh_stiffness"], rel=1e-9)
+        assert mesh["stiffness"] == pytest.approx(first["stiffness"] * (mesh["mean_force"] / first["mean_force"])**0.25, rel=1e-8)
+    # All planets bear: the deflections of the planets in series with both meshes differ by their errors.
+    deflection = [one["mean_force"] / one["stiffness"] + two["mean_force"] / two["stiffness"]
+                  for one, two in zip(meshes[:4], meshes[4:], strict=True)]
+    assert deflection[0] - deflection[2] == pytest.approx(2 * error, rel=1e-6)
+    assert 0 < numbers["set"]["load_share"][2] < 0.14
+
+
+@pytest.mark.parametrize(("torque", "driving", "warned"), [(200.0, "sun", 0), (-200.0, "sun", 1), (-200.0, "ring", 0)])
+def test_flanks_that_bear_against_driving(torque, driving, warned):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        gt.Train(characteristic_frequency=1e4, shafts=[],
+                 bodies=[gt.Body(name="sun", torque=torque), gt.Body(name="ring", held=True),
+                         gt.Body(name="arm", inertia=0.05, balances=True)],
+                 planetaries=[gt.Planetary(name="set", sun="sun", ring="ring", carrier="arm", teeth=[24, 30, 84], planets=3,
+                                           normal_module=2e-3, face_width=0.025, backlash=60e-6, damping_ratio=0.05,
+                                           driving=driving)])
+    assert sum("all meshes of set bear on their coast flanks" in str(one.message) for one in caught) == warned
+
+
+def test_a_ratio_of_speeds_without_a_common_period(executable, tmp_path):
+    case = (ROOT / "namelists" / "hybrid.nml").read_text(encoding="utf-8").replace("speed_ratio = 2.0", "speed_ratio = 1.33333333")
+    (tmp_path / "case.nml").write_text(case)
+    said = run(executable, "--check", "case.nml", cwd=tmp_path).stderr
+    assert "speed_ratio = 1.33333333 of &body 4" in said and "as 4/3 = 1.333333333333333" in said
 
 
 def test_masses_of_planets_add_to_the_carrier():

@@ -40,10 +40,10 @@ class Turbine:
                 rows.append({"wheel 2": a, "pinion 2": b})
             elif number == 1:
                 rows.append({"wheel 3": -a, "pinion 3": -b})
-            elif number < 5:
-                rows.append({"sun": a, BODIES[8 + number - 2]: b, "carrier": -a - b})
+            elif number < 5:  # the ring drives the planets, and these the sun
+                rows.append({"sun": -b, BODIES[8 + number - 2]: -a, "carrier": a + b})
             else:
-                rows.append({BODIES[8 + number - 5]: -a, "carrier": a - b})
+                rows.append({BODIES[8 + number - 5]: b, "carrier": a - b})
         self.rows = np.zeros((len(rows), len(BODIES)))
         for row, entries in zip(self.rows, rows, strict=True):
             row[[place[name] for name in entries]] = list(entries.values())

@@ -15,6 +15,7 @@ module geartrain_report_drawing_warnings
    use geartrain_train_gear_error, only: gear_words, has_tooth_factors
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
+   use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
    use geartrain_train_shaft, only: shaft_type
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -134,7 +135,43 @@ contains
          slips = slips .or. size(warnings) > before
          call warn_of_mesh(train%meshes(i), i, system, light(i), warnings)
       end do
+      call warn_of_coast_flanks(train, plain, system, warnings)
    end subroutine warn_of_drawing
+
+   !> Warns of planetary sets whose drawing has the phases of the flanks that do not bear.
+   subroutine warn_of_coast_flanks(train, plain, system, warnings)
+      type(train_type), intent(in) :: train, plain
+      type(system_type), intent(in) :: system
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(planetary_set_type), allocatable :: sets(:)
+      integer, allocatable :: meshes(:)
+      integer :: i, k
+
+      call find_sets(plain, sets)
+      do i = 1, size(sets)
+         if (sets(i)%sun == 0 .or. sets(i)%ring == 0) cycle
+         meshes = [sets(i)%sun_meshes, sets(i)%ring_meshes]
+         if (.not. all([(has_geometry(train%meshes(meshes(k))), k=1, size(meshes))])) cycle
+         associate (force => system%static_force(system%mesh_element(meshes)))
+            if (maxval(force) > 0 .or. .not. minval(force) < 0) cycle
+         end associate
+         if (.not. any([(varies(plain%meshes(meshes(k))), k=1, size(meshes))])) cycle
+         call add_warning(warnings, 'mesh', meshes(1), 'all meshes of '//trim(sets(i)%name)//' bear on their coast flanks: the &
+            &default of ring_phase, and the sign of planet_errors, are those of the flanks on which the member that is &
+            &''driving'' pushes: name the other member')
+      end do
+   end subroutine warn_of_coast_flanks
+
+   !> Whether the stiffness or the transmission error of a mesh varies, or displaces it.
+   pure logical function varies(mesh)
+      type(mesh_type), intent(in) :: mesh
+
+      varies = abs(mesh%error_mean) > 0
+      if (allocated(mesh%stiffness_cos)) varies = varies .or. any(abs(mesh%stiffness_cos) > 0)
+      if (allocated(mesh%stiffness_sin)) varies = varies .or. any(abs(mesh%stiffness_sin) > 0)
+      if (allocated(mesh%error_cos)) varies = varies .or. any(abs(mesh%error_cos) > 0)
+      if (allocated(mesh%error_sin)) varies = varies .or. any(abs(mesh%error_sin) > 0)
+   end function varies
 
    !> Adds '&mesh 1: sentence'.
    subroutine add_warning(warnings, group, i, sentence)
