@@ -448,7 +448,7 @@ class Branch(Curves):
         return self.others.get("orders", dense)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name not in ("_kept", "onsets")}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_kept", "_lists", "onsets")}
 
     def __getattr__(self, name: str) -> Any:
         # Only what is no attribute comes here; `others` itself is not there yet while a branch is copied.

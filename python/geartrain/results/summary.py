@@ -314,8 +314,15 @@ class Readings:
 
     def _read_off(self, what: str, mesh: int = 1) -> Group:
         check_number("mesh", mesh, self.rms.shape[1])
-        with self._box() as box:
-            return box.read_off(what)
+        if what not in self._lists:
+            with self._box() as box:
+                self._lists[what] = box.read_off(what)
+        return self._lists[what]
+
+    @cached_property
+    def _lists(self) -> dict[str, Group]:
+        """Lists of all meshes that were read off so far: ranges take a search for each end, and pages ask mesh by mesh."""
+        return {}
 
     def _ranges(self, what: str, mesh: int, stable: bool) -> Array:
         check_number("mesh", mesh, self.rms.shape[1])
