@@ -165,7 +165,7 @@ def _groups(line: str, count: int) -> list[str]:
     cells = [cell for cell in re.split(r"\s{2,}", line.strip()) if cell]
     if len(cells) < 2 or (count - 1) % len(cells) != 0:
         return [""] * count
-    each = (count - 1) // len(cells)  # the first column is that of the teeth
+    each = (count - 1) // len(cells)  # the first column numbers the teeth
     return ["", *(cells[place // each] for place in range(count - 1))]
 
 
@@ -203,7 +203,7 @@ def _column(
             told = " and ".join(shown(columns[place]) for place in found)
             one = columns[found[0]] if columns.count(columns[found[0]]) == 1 else found[0] + 1
             raise InputError(f"{name}:{line}: error: {told}: must be one column of {'cumulative' if kind == 1 else 'single'} pitch "
-                             f"errors, that of the flank that bears: {os.path.basename(name)}#{one} names one")
+                             f"errors, for the flank that bears: {os.path.basename(name)}#{one} names one")
         if found:
             return found[0]
     if len(places) > 1:
