@@ -176,6 +176,52 @@ def test_a_stop_amid_the_locks_of_futures(folder, whole, tmp_path):
     assert is_whole(folder, whole)
 
 
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_stop_within_a_finalizer(folder, whole, tmp_path, workers):
+    """Python prints the exception of the signal's handler there, and drops it."""
+    environment = patched(tmp_path, """
+        import os, signal
+        compute = study_plan.Plan.compute
+        class Last:
+            def __del__(self):
+                os.killpg(os.getpgrp(), signal.SIGINT)
+        def stopped(plan, point):
+            if plan.columns[0][point] == plan.columns[0][7]:
+                Last()
+            return compute(plan, point)
+        study_plan.Plan.compute = stopped
+    """)
+    process = command(folder, "--workers", str(workers), environment=environment)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 3 and "the same call goes on from there" in said, said
+    assert is_whole(folder, whole) and not any(Store(folder).suspects.iterdir())
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stop_amid_a_suspect_sets_nothing_aside(folder, whole, tmp_path, number):
+    """The process of its own that computes it gets Ctrl-C too."""
+    environment = patched(tmp_path, f"""
+        import os, signal, sys, time
+        compute = study_plan.Plan.compute
+        def slow(plan, point):
+            if plan.columns[0][point] == {float(whole.input_torque[17])!r}:
+                open({str(tmp_path / "begun")!r}, "w").close()
+                time.sleep(60)
+            return compute(plan, point)
+        study_plan.Plan.compute = slow
+    """)
+    store = Store(folder)
+    (store.suspects / store.plan().key(17).decode()).touch()
+    process = command(folder, "--workers", "1", environment=environment)
+    deadline = time.monotonic() + 60
+    while process.poll() is None and not (tmp_path / "begun").exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    os.kill(process.pid, number) if number == signal.SIGTERM else os.killpg(process.pid, number)
+    _, said = process.communicate(timeout=20)
+    assert process.returncode == 3 and "the same call goes on from there" in said and "Traceback" not in said, said
+    assert not alive(process.pid) and is_whole(folder, whole)
+
+
 def stop_after_a_claim():
     """A process that is told to stop when it has claimed a batch and computes nothing yet."""
     make = Claim.make

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
@@ -117,6 +118,9 @@ class Box:
         self._handle: int = fortran.open_box() if copy is None else fortran.open_copy(copy.handle)
         if self._handle == 0:
             raise MemoryError("there is not enough memory to begin with, 160 MB: is there a limit (ulimit -v)?")
+        # No code of Python runs when a closed box goes, as a finalizer would: Ctrl-C would be lost there.
+        self._free = weakref.finalize(self, fortran.close_box, self._handle)
+        self._free.atexit = False
         self._of_call = text is not None or copy is not None
         self._put = ""
         self._results: dict[str, Group] | None = None
@@ -140,15 +144,10 @@ class Box:
     ) -> None:
         self.close()
 
-    def __del__(self) -> None:
-        if getattr(fortran, "close_box", None) is not None:  # as at the end of the interpreter
-            self.close()
-
     def close(self) -> None:
         """Free what it holds; it is of no use then."""
-        handle, self._handle = getattr(self, "_handle", 0), 0
-        if handle:
-            fortran.close_box(handle)
+        self._handle = 0
+        self._free()
 
     @property
     def handle(self) -> int:

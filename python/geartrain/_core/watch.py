@@ -17,12 +17,15 @@ from ..errors import Interrupted
 from .extras import missing
 from .warn import warn
 
-__all__ = ["progress_bar", "quiet", "watched"]
+__all__ = ["progress_bar", "quiet", "stops", "watched"]
 
 Result = TypeVar("Result")
 
 _PATIENCE = 1.0  # s of silence before the bar appears
 _TICK = 0.05  # s between looks at the progress
+
+#: Signals whose handler asks work in the main thread to stop without an exception, which Python drops in a finalizer.
+stops: list[int] = []
 
 
 def watched(
@@ -80,6 +83,8 @@ def watched(
         while not done.is_set():
             try:
                 done.wait(_TICK)
+                if stops and not interrupted:
+                    raise KeyboardInterrupt
                 if wanted and bar is None and time.monotonic() - begin > _PATIENCE:
                     bar = progress_bar(name, total, begin, unit)
                     wanted = bar is not None

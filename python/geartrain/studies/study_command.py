@@ -7,13 +7,13 @@ import re
 import signal
 import sys
 from collections.abc import Sequence
-from typing import Any
 
 from .._core.parser import Parser, exit_status
 from ..errors import plain
 from .study import read_study, run_plan
 from .study_failures import failures_of, words_of
 from .study_store import Store
+from .study_worker import STOPS
 
 __all__ = ["main"]
 
@@ -24,8 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     A part leaves to other processes what they have begun; the whole waits for them.
     """
     told = _parser().parse_args(arguments)
-    for number in (signal.SIGTERM, getattr(signal, "SIGXCPU", signal.SIGTERM)):
-        signal.signal(number, _stop)  # so that what is done is written before a time limit of the cluster kills
+    for number in STOPS:
+        signal.signal(number, signal.default_int_handler)  # so that what is done is written before a limit of the cluster kills
     return exit_status(lambda: _tell(told.folder) if told.status else _compute(told))
 
 
@@ -70,10 +70,6 @@ def _part(text: str) -> tuple[int, int]:
     if found is None or not 1 <= int(found[1]) <= int(found[2]):
         raise argparse.ArgumentTypeError(f"{text!r}: must be as 7/64, the first number from 1 to the second")
     return int(found[1]), int(found[2])
-
-
-def _stop(*_: Any) -> None:
-    raise KeyboardInterrupt
 
 
 if __name__ == "__main__":

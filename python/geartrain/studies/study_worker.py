@@ -14,8 +14,10 @@ import warnings
 from collections.abc import Iterator
 from functools import lru_cache
 from multiprocessing.connection import Connection
+from types import SimpleNamespace
 from typing import Any
 
+from .._core.watch import stops
 from ..errors import DrawingWarning
 from .study_plan import Plan
 from .study_store import DONE, FAILED, SET_ASIDE, Record, Store
@@ -24,12 +26,12 @@ __all__ = ["BUSY", "OVER", "STOPPED", "STOPS", "compute_alone", "compute_batch",
 
 #: What became of a batch: all its points are in the folder; a living process computes it; told to stop before its end.
 OVER, BUSY, STOPPED = "over", "busy", "stopped"
-#: Signals that ask for an end.
-STOPS = (signal.SIGINT, signal.SIGTERM)
+#: Signals that ask for an end; the last at a time limit of a cluster.
+STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGXCPU") if hasattr(signal, name))
 
 _stopping = threading.Event()
-_interrupted = threading.Event()  # within `_stoppable`
-_computing = threading.Event()  # within `_interruptible`
+_batch = SimpleNamespace(computing=False)  # within `_interruptible`; handlers of signals must not meet a lock
+_TICK = 0.1  # s between looks at a process that computes a point
 _LONGEST = 10.0  # s after which the points so far are written: so much a kill may lose
 
 
@@ -52,13 +54,13 @@ def compute_batch(folder: str, digest: str, block: int) -> str:
     keys = {key: point for point in plan.block(block) if (key := plan.key(point)) not in there}
     if not keys:
         return OVER
-    with _stoppable():
-        try:
+    try:
+        with _stoppable():
             return _compute(store, plan, name, keys)
-        except KeyboardInterrupt:
-            if multiprocessing.parent_process() is None:
-                raise
-            return STOPPED
+    except KeyboardInterrupt:
+        if multiprocessing.parent_process() is None:
+            raise
+        return STOPPED
 
 
 def _compute(store: Store, plan: Plan, name: str, keys: dict[bytes, int]) -> str:
@@ -94,7 +96,7 @@ def record_of(plan: Plan, point: int) -> Record:
     try:
         kept = plan.compute(point)
     except Exception as error:  # noqa: BLE001 (a failed point is a result)
-        if _interrupted.is_set():  # in the midst of a lock, say, which makes another error of it
+        if stops:  # in the midst of a lock, say, which makes another error of it
             raise KeyboardInterrupt from None
         status, message = FAILED, f"{type(error).__name__}: {error}"
     return Record(plan.key(point), status, message, time.perf_counter() - begun, kept)
@@ -128,7 +130,7 @@ def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
     with subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as child:
         try:
-            _, said = child.communicate()
+            said = _said_by(child)
         except BaseException:
             child.kill()
             raise
@@ -142,22 +144,36 @@ def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
     return [Record(key, SET_ASIDE, why, time.perf_counter() - begun, {})]
 
 
+def _said_by(child: subprocess.Popen[str]) -> str:
+    """What a process says before its end, unless it is to stop, which Ctrl-C may tell it too."""
+    said = None
+    while said is None:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            _, said = child.communicate(timeout=_TICK)
+        if stops:
+            raise KeyboardInterrupt
+    return said
+
+
 @contextlib.contextmanager
 def _stoppable() -> Iterator[None]:
-    """In the main thread of a child process one interrupt or termination ends the batch, amid the computing of a point and nowhere
-    else: no claim is left behind, and what is written is written to its end."""
-    if multiprocessing.parent_process() is None or threading.current_thread() is not threading.main_thread():
+    """In the main thread one interrupt or termination ends the batch, amid the computing of a point and nowhere else: no claim is
+    left behind, and what is written is written to its end. A second one raises, as for keeps of the user's own that take long.
+    Handlers of the user's own stay."""
+    if threading.current_thread() is not threading.main_thread():
         yield
         return
+    handlers = {number: signal.getsignal(number) for number in STOPS}
+    ours = multiprocessing.parent_process() is not None
+    before = {number: handler for number, handler in handlers.items() if ours or handler is signal.default_int_handler}
 
-    def stop(*_: Any) -> None:
-        _interrupted.set()
-        if _computing.is_set():
-            _computing.clear()
+    def stop(number: int, _: Any) -> None:
+        stops.append(number)
+        if len(stops) > 1 and _batch.computing:
+            _batch.computing = False
             raise KeyboardInterrupt
 
-    _interrupted.clear()
-    before = {number: signal.getsignal(number) for number in STOPS}
+    stops.clear()
     try:
         for number in before:
             signal.signal(number, stop)
@@ -165,18 +181,24 @@ def _stoppable() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+        late = len(stops) > 0
+        stops.clear()
+    if late:
+        raise KeyboardInterrupt
 
 
 @contextlib.contextmanager
 def _interruptible() -> Iterator[None]:
     """Where a batch that is told to stop does so."""
     try:
-        _computing.set()
-        if _interrupted.is_set():
+        _batch.computing = True
+        if stops:
             raise KeyboardInterrupt
         yield
+        if stops:
+            raise KeyboardInterrupt
     finally:
-        _computing.clear()
+        _batch.computing = False
 
 
 def follow_client(line: Connection) -> None:
