@@ -229,6 +229,64 @@ def test_flanks_that_bear_against_driving(torque, driving, warned):
     assert sum("all meshes of set bear on their coast flanks" in str(one.message) for one in caught) == warned
 
 
+@pytest.mark.parametrize(("places", "ring_places", "said"), [
+    ((0, 26, 52), (0, 26, 52), ""),
+    ((0, 25, 53), (0, 25, 53), ""),
+    ((0, 26, 52), (0, -26, -52),
+     "planet 1 - ring lags 0.333333 cycles behind planet 0 - ring, but sun - planet 1 lags 0.666667 behind"),
+    ((0, 0, 0), (0, 0, 0), "phase: 3 planets have this phase, but with 17 and 61 teeth 1 place has it"),
+])
+def test_phases_that_no_places_of_planets_give(places, ring_places, said):
+    """By places of 1/(z_s + z_r) turns each; the drawing alone tells nothing of them."""
+    lag = np.array([17 * place / 78 for place in places] + [-61 * place / 78 for place in ring_places])
+    meshes = [gt.Mesh(between=("sun", f"planet {n % 3}") if n < 3 else (f"planet {n % 3}", "ring"), carrier="arm", internal=n >= 3,
+                      teeth=(17, 22) if n < 3 else (22, 61), stiffness=1e9, half_backlash=4e-5, stiffness_cos=[0.1],
+                      phase=2 * np.pi * (lag[n] % 1), normal_module=4e-3, damping_ratio=0.03) for n in range(6)]
+    planets = [gt.Body(name=f"planet {n}", inertia=2.2e-3) for n in range(3)]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        gt.Train(bodies=[*BODIES, *planets], meshes=meshes)
+    found = [str(one.message) for one in caught if "phase:" in str(one.message)]
+    assert found == [] if said == "" else found and said in found[0]
+
+
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("name = 'pair 2', ", "name = 'pair 2', phase = 2.1, ", ""),
+    (", phase = 2.0943951023931953", "", "pair 2 lags 0.0 cycles behind pair 1, but short sun 2 lags 0.333333 behind short sun 1"),
+    ("2.0943951023931953", "4.1887902047863905", "pair 2 lags 0.666667 cycles"),
+])
+def test_phases_of_meshes_between_planets(executable, tmp_path, old, new, said):
+    case = (ROOT / "namelists" / "ravigneaux.nml").read_text(encoding="utf-8")
+    if said == "":
+        case = case.replace(", phase = 2.0943951023931953", "")  # two decimals are enough
+    (tmp_path / "case.nml").write_text(case.replace(old, new))
+    warned = [line for line in run(executable, "--check", "case.nml", cwd=tmp_path).stderr.splitlines() if "phase:" in line]
+    assert warned == [] if said == "" else len(warned) == 1 and said in warned[0]
+
+
+@pytest.mark.parametrize(("old", "new", "said"), [
+    ("'ring', held = .true.", "'ring', inertia = 0.1", "or held = .true. of a body that stands still"),
+    ("inertia = 0.05", "held = .true.", "gears do not turn: 'ring' and 'carrier' are held"),
+    ("&shaft", "!", "2: 'sun', 'ring', 'carrier', 'stage 1 planet 1' and 2 more are joined with 'motor' by no shaft"),
+])
+def test_sets_that_do_not_turn_by_what_is_given(executable, tmp_path, old, new, said):
+    case = (ROOT / "namelists" / "planetary.nml").read_text(encoding="utf-8").replace(old, new)
+    (tmp_path / "case.nml").write_text(case)
+    assert said in run(executable, "--check", "case.nml", cwd=tmp_path).stderr
+
+
+def test_all_speeds_equal_by_a_ratio(executable, tmp_path):
+    case = (ROOT / "namelists" / "hybrid.nml").read_text(encoding="utf-8").replace("speed_ratio = 2.0", "speed_ratio = 1.0")
+    (tmp_path / "case.nml").write_text(case)
+    said = run(executable, "--check", "case.nml", cwd=tmp_path).stderr
+    assert "gears do not turn: with speed_ratio = 1.0 they turn as one" in said
+
+
+def test_turns_have_the_sign_of_their_sense():
+    numbers = short().explain()
+    assert numbers["arm"]["turns"] == pytest.approx(17 / 78) and numbers["stage 1 planet 1"]["turns"] < 0
+
+
 def test_a_ratio_of_speeds_without_a_common_period(executable, tmp_path):
     case = (ROOT / "namelists" / "hybrid.nml").read_text(encoding="utf-8").replace("speed_ratio = 2.0", "speed_ratio = 1.33333333")
     (tmp_path / "case.nml").write_text(case)

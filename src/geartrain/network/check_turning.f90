@@ -4,6 +4,7 @@ module geartrain_network_check_turning
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: counted, integer_text, real_text, text
+   use geartrain_train_body, only: body_type
    use geartrain_train_mesh_groups, only: group_name, group_number
    use geartrain_network_network, only: balances, build_network, network_type
    use geartrain_train_train, only: train_type
@@ -26,6 +27,7 @@ contains
       integer, intent(in) :: mesh_ends(:, :), carrier(:)
       class(checker_type), intent(inout) :: checker
       type(turning_type) :: turning
+      character(:), allocatable :: why
       integer :: i, ratios
 
       call find_turning(train, turning)
@@ -41,7 +43,8 @@ contains
          else
             call checker%problems%add('shafts and gears leave '//integer_text(turning%motions)//' speeds free: give speed_ratio &
                &of '//counted(turning%motions - 1 - ratios, 'more body', 'more bodies')//', its speed over that of '//"'"// &
-               train%bodies(max(1, turning%reference))%name//"'", 'train', 1, names_group=.true.)
+               train%bodies(max(1, turning%reference))%name//"', or held = .true. of a body that stands still", 'train', 1, &
+               names_group=.true.)
          end if
          return
       end if
@@ -63,14 +66,52 @@ contains
          if (carrier(i) == 0 .or. abs(turning%relative(i)) > 0) cycle
          if (any(train%bodies%stiffness_to_ground > 0) .or. all(train%bodies([mesh_ends(:, i), carrier(i)])%held)) cycle
          call checker%enter('mesh', i)
-         call checker%complain('carrier', "'"//trim(train%meshes(i)%carrier)//"'", 'and its gears cannot turn against one another: &
-            &they lock, as teeth that do not fit do, or they turn as one, and the mesh frequency is 0')
+         if (count(train%bodies%held) > 1) then
+            call name_bodies(train%bodies, train%bodies%held, why)
+            why = why//' held'
+         else if (ratios > 0) then
+            why = 'with speed_ratio = '//real_text(train%bodies(findloc(train%bodies%ratio_given, .true., 1))%speed_ratio)// &
+                  ' they turn as one'
+         else
+            why = 'they lock, as teeth that do not fit do, or turn as one'
+         end if
+         call checker%complain('carrier', "'"//trim(train%meshes(i)%carrier)//"'", 'is a carrier against which its gears do not &
+            &turn: '//why)
          call checker%leave()
          return
       end do
       call check_balance(train, turning, checker)
 
    end subroutine check_turning
+
+   !> Bodies with their verb: "'sun' is", "'sun' and 'ring' are", "'sun', 'ring' and 3 more are".
+   pure subroutine name_bodies(bodies, which, words)
+      type(body_type), intent(in) :: bodies(:)
+      logical, intent(in) :: which(:)
+      character(:), allocatable, intent(out) :: words
+      integer, parameter :: most_named = 4
+      integer :: place(count(which)), i
+
+      place = pack([(i, i=1, size(bodies))], which)
+      words = "'"//bodies(place(1))%name//"'"
+      do i = 2, size(place)
+         if (i > most_named) then
+            words = words//' and '//integer_text(size(place) - most_named)//' more'
+            exit
+         end if
+         if (i == size(place)) then
+            words = words//' and '
+         else
+            words = words//', '
+         end if
+         words = words//"'"//bodies(place(i))%name//"'"
+      end do
+      if (size(place) == 1) then
+         words = words//' is'
+      else
+         words = words//' are'
+      end if
+   end subroutine name_bodies
 
    !> As many bodies balance the others as there are independent speeds, and have no given mean torque.
    subroutine check_balance(train, turning, checker)
@@ -143,7 +184,9 @@ contains
       integer :: sense(size(train%bodies)), came(size(train%bodies)), ends(2), i
       !> Number of the search that came to each body, 0: none has; whether it is joined with the first body, (body).
       integer :: tree(size(train%bodies)), trees
-      logical :: joined(size(train%bodies)), changed
+      logical, dimension(size(train%bodies)) :: joined, part
+      logical :: whole, changed
+      character(:), allocatable :: words
 
       tree = 0
       radius = 1
@@ -168,26 +211,20 @@ contains
          end do
       end do
       joined = tree == 1
-      changed = .true.
-      do while (changed)
-         changed = .false.
-         do i = 1, size(carrier)
-            if (carrier(i) == 0) cycle
-            associate (here => [mesh_ends(:, i), carrier(i)])
-               if (.not. any(joined(here)) .or. all(joined(here))) cycle
-               joined = joined .or. tree == tree(here(1)) .or. tree == tree(here(2)) .or. tree == tree(here(3))
-               changed = .true.
-            end associate
-         end do
-      end do
-      do i = 1, size(train%bodies)
-         if (joined(i)) cycle
+      call spread(joined)
+      whole = all(joined)
+      do while (.not. all(joined))
+         i = findloc(joined, .false., 1)
+         part = tree == tree(i)
+         call spread(part)
          call checker%enter('body', i)
-         call checker%problems%add("'"//train%bodies(i)%name//"' is joined with '"//train%bodies(1)%name// &
+         call name_bodies(train%bodies, part, words)
+         call checker%problems%add(words//' joined with '//"'"//train%bodies(1)%name// &
                                    "' by no shaft, mesh or coupling", 'body', i, 'name')
          call checker%leave()
+         joined = joined .or. part
       end do
-      if (.not. all(joined)) return
+      if (.not. whole) return
       do i = 1, size(train%shafts)
          ends = shaft_ends(:, i)
          call close_loop(ends, radius(ends(2))/radius(ends(1)), sense(ends(1)) == sense(ends(2)), 'shaft')
@@ -202,6 +239,25 @@ contains
       end do
 
    contains
+
+      !> Adds the bodies that are joined by meshes on carriers.
+      subroutine spread(joined)
+         logical, intent(inout) :: joined(:)
+         integer :: n
+
+         changed = .true.
+         do while (changed)
+            changed = .false.
+            do n = 1, size(carrier)
+               if (carrier(n) == 0) cycle
+               associate (here => [mesh_ends(:, n), carrier(n)])
+                  if (.not. any(joined(here)) .or. all(joined(here))) cycle
+                  joined = joined .or. tree == tree(here(1)) .or. tree == tree(here(2)) .or. tree == tree(here(3))
+                  changed = .true.
+               end associate
+            end do
+         end do
+      end subroutine spread
 
       subroutine pass(ends, radii, turn)
          integer, intent(in) :: ends(2), turn

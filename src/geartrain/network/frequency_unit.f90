@@ -59,17 +59,19 @@ contains
 
       words = ''
       if (.not. allocated(train%bodies)) return
-      i = findloc(train%bodies%ratio_given, .true., 1)
-      if (i == 0) return
-      if (.not. abs(train%bodies(i)%speed_ratio) < largest) return
-      associate (ratio => train%bodies(i)%speed_ratio)
-         do k = 1, largest - 1
-            if (abs(nint(k*ratio) - k*ratio) < 0.5_dp*k/largest) exit
-         end do
-         words = ': with speed_ratio = '//real_text(ratio)//' of &body '//integer_text(i)// &
-                 ' the teeth have no common period within 1000000 cycles; a ratio of smaller numbers has one, as '// &
-                 integer_text(nint(k*ratio))//'/'//integer_text(k)//' = '//real_text(real(nint(k*ratio), dp)/k)
-      end associate
+      do i = 1, size(train%bodies)
+         if (.not. (train%bodies(i)%ratio_given .and. abs(train%bodies(i)%speed_ratio) < largest)) cycle
+         associate (ratio => train%bodies(i)%speed_ratio)
+            do k = 1, largest - 1
+               if (abs(nint(k*ratio) - k*ratio) < 0.5_dp*k/largest) exit
+            end do
+            if (abs(nint(k*ratio) - k*ratio) <= 4*k*spacing(ratio)) cycle
+            words = ': with speed_ratio = '//real_text(ratio)//' of &body '//integer_text(i)// &
+                    ' the teeth have no common period within 1000000 cycles; a ratio of smaller numbers has one, as '// &
+                    integer_text(nint(k*ratio))//'/'//integer_text(k)//' = '//real_text(real(nint(k*ratio), dp)/k)
+            return
+         end associate
+      end do
    end subroutine find_nearby_ratio
 
    !> Lambda per 1 of a unit; 0: not known.

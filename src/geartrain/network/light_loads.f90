@@ -19,11 +19,13 @@ contains
    !> Reduces the mesh stiffnesses of light loads: ISO 6336-1 has c' fall with the fourth root of the line load below 100 N/mm. In
    !> loops, as between planets, the loads follow from the stiffnesses, and both are found together. A mesh without load keeps its
    !> stiffness.
-   pure subroutine reduce_light_loads(train, factor)
+   pure subroutine reduce_light_loads(train, factor, agreed)
       !> A plain train that has passed all checks.
       type(train_type), intent(inout) :: train
       !> Factor of the stiffness of each mesh [1], (mesh).
       real(dp), allocatable, intent(out), optional :: factor(:)
+      !> Whether stiffnesses and loads were found together.
+      logical, intent(out), optional :: agreed
       type(network_type) :: network
       type(law_type) :: law(size(train%meshes))
       type(train_type) :: reduced
@@ -32,6 +34,7 @@ contains
       integer :: i, n, pass
 
       share = 1
+      pass = 0
       if (any(train%meshes%light_force > 0)) then
          reduced = train
          do pass = 1, most_passes
@@ -57,6 +60,7 @@ contains
          train%meshes%light_force = 0
       end if
       if (present(factor)) factor = share
+      if (present(agreed)) agreed = pass <= most_passes
    end subroutine reduce_light_loads
 
 end module geartrain_network_light_loads

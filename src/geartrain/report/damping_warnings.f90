@@ -4,7 +4,6 @@ module geartrain_report_damping_warnings
    use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text, real_text, short => text
-   use geartrain_base_problems, only: group_label
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_check_train, only: check_train
    use geartrain_network_light_loads, only: reduce_light_loads
@@ -14,6 +13,7 @@ module geartrain_report_damping_warnings
    use geartrain_network_modal_damping, only: asked_ratios, find_modal_damping, modal_damping_type, resolve_damping
    use geartrain_network_natural_modes, only: modes_type, natural_modes
    use geartrain_network_nodes, only: join_rigid, nodes_type
+   use geartrain_report_add_warning, only: add_warning
    use geartrain_train_labels, only: label_length, mesh_labels, shaft_labels
    use geartrain_train_mesh, only: is_given
    use geartrain_train_train, only: train_type
@@ -68,10 +68,10 @@ contains
          told = told + 1
          if (told > most_modes) cycle
          call put_mode(train, plain, found, i, ratio(i), words)
-         call add(warnings, words)
+         call add_warning(warnings, 'train', 0, words)
       end do
-      if (told > most_modes) call add(warnings, integer_text(told - most_modes)//' more modes have less than '// &
-                                      short(hardly_any)//' of critical damping')
+      if (told > most_modes) call add_warning(warnings, 'train', 0, integer_text(told - most_modes)// &
+                                               ' more modes have less than '//short(hardly_any)//' of critical damping')
       if (is_given(train%modal_damping)) call warn_of_misses(found, asked_ratios(train, size(found%ratio)), warnings)
    end subroutine warn_of_damping_of_modes
 
@@ -111,7 +111,6 @@ contains
          character(*), intent(in) :: group
          real(dp), intent(in) :: ratio, radius(2)
          integer, intent(in) :: ends(2)
-         type(text_type) :: warning
          real(dp) :: alone, joined
          integer :: number
 
@@ -120,19 +119,11 @@ contains
          number = i
          if (group /= 'shaft') number = group_number(train%meshes, i)
          if (.not. alone > far_off*joined) return
-         warning%text = group_label(group, number)//': damping_ratio = '//real_text(ratio)//' of the bodies alone: with what is &
-            &rigidly joined to them the same damping is '//short(ratio*sqrt(joined/alone))
-         warnings = [warnings, warning]
+         call add_warning(warnings, group, number, 'damping_ratio = '//real_text(ratio)//' of the bodies alone: with what is &
+            &rigidly joined to them the same damping is '//short(ratio*sqrt(joined/alone)))
       end subroutine compare
 
    end subroutine warn_of_joined_inertias
-
-   subroutine add(warnings, sentence)
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-      character(*), intent(in) :: sentence
-
-      warnings = [warnings, text_type('&train: '//sentence)]
-   end subroutine add
 
    !> A mode and why it has hardly any damping, in words.
    subroutine put_mode(train, plain, found, i, ratio, words)
@@ -238,8 +229,8 @@ contains
       end do
       if (told == 0) return
       if (told > most_modes) list = list//', and '//integer_text(told - most_modes)//' more'
-      call add(warnings, 'modal_damping is not met: '//list(3:)//'. No damping >= 0 of shafts, meshes and couplings comes nearer &
-               &to all modes together')
+      call add_warning(warnings, 'train', 0, 'modal_damping is not met: '//list(3:)//'. No damping >= 0 of shafts, &
+         &meshes and couplings comes nearer to all modes together')
    end subroutine warn_of_misses
 
 end module geartrain_report_damping_warnings

@@ -4,10 +4,10 @@ module geartrain_report_drawing_warnings
    use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text, real_text, short => text
-   use geartrain_base_problems, only: group_label
    use geartrain_mesh_law_law, only: law_type
    use geartrain_train_bodies, only: find_ends
    use geartrain_train_body, only: body_type
+   use geartrain_report_add_warning, only: add_warning
    use geartrain_report_damping_warnings, only: warn_of_damping_of_modes, warn_of_joined_inertias
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
    use geartrain_drawing_gear_pair, only: find_geometry, find_stiffness, light_load, pair_geometry_type, pair_stiffness_type
@@ -15,7 +15,7 @@ module geartrain_report_drawing_warnings
    use geartrain_train_gear_error, only: gear_words, has_tooth_factors
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
-   use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
+   use geartrain_report_planetary_warnings, only: warn_of_phases, warn_of_planets
    use geartrain_train_shaft, only: shaft_type
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -86,6 +86,7 @@ contains
       if (any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) call warn_of_drawing(train, plain, slips, warnings)
       ! Modes follow from the numbers: where these may be in another unit, they say nothing.
       if (.not. slips) call warn_of_damping_of_modes(train, warnings)
+      call warn_of_phases(train, plain, warnings)
       if (all_toothed(train)) call warn_of_nearby_orders(train, warnings)
    end subroutine find_warnings
 
@@ -115,14 +116,14 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
       type(system_type) :: system
       real(dp), allocatable :: light(:)
-      logical :: unloaded
+      logical :: unloaded, agreed
       integer :: i, before
 
       before = size(warnings)
       call warn_of_shafts_in_gears(train, warnings)
       slips = slips .or. size(warnings) > before
       call warn_of_gaps(plain, warnings)
-      call reduce_light_loads(plain, light)
+      call reduce_light_loads(plain, light, agreed)
       call build_system(train, system)
       unloaded = .not. any(abs(system%static_force(system%mesh_element)) > 0)
       if (unloaded .and. any([(has_stiffness(train%meshes(i)), i=1, size(train%meshes))])) call add_warning(warnings, 'train', 0, &
@@ -135,55 +136,8 @@ contains
          slips = slips .or. size(warnings) > before
          call warn_of_mesh(train%meshes(i), i, system, light(i), warnings)
       end do
-      call warn_of_coast_flanks(train, plain, system, warnings)
+      call warn_of_planets(train, plain, system, agreed, warnings)
    end subroutine warn_of_drawing
-
-   !> Warns of planetary sets whose drawing has the phases of the flanks that do not bear.
-   subroutine warn_of_coast_flanks(train, plain, system, warnings)
-      type(train_type), intent(in) :: train, plain
-      type(system_type), intent(in) :: system
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(planetary_set_type), allocatable :: sets(:)
-      integer, allocatable :: meshes(:)
-      integer :: i, k
-
-      call find_sets(plain, sets)
-      do i = 1, size(sets)
-         if (sets(i)%sun == 0 .or. sets(i)%ring == 0) cycle
-         meshes = [sets(i)%sun_meshes, sets(i)%ring_meshes]
-         if (.not. all([(has_geometry(train%meshes(meshes(k))), k=1, size(meshes))])) cycle
-         associate (force => system%static_force(system%mesh_element(meshes)))
-            if (maxval(force) > 0 .or. .not. minval(force) < 0) cycle
-         end associate
-         if (.not. any([(varies(plain%meshes(meshes(k))), k=1, size(meshes))])) cycle
-         call add_warning(warnings, 'mesh', meshes(1), 'all meshes of '//trim(sets(i)%name)//' bear on their coast flanks: the &
-            &default of ring_phase, and the sign of planet_errors, are those of the flanks on which the member that is &
-            &''driving'' pushes: name the other member')
-      end do
-   end subroutine warn_of_coast_flanks
-
-   !> Whether the stiffness or the transmission error of a mesh varies, or displaces it.
-   pure logical function varies(mesh)
-      type(mesh_type), intent(in) :: mesh
-
-      varies = abs(mesh%error_mean) > 0
-      if (allocated(mesh%stiffness_cos)) varies = varies .or. any(abs(mesh%stiffness_cos) > 0)
-      if (allocated(mesh%stiffness_sin)) varies = varies .or. any(abs(mesh%stiffness_sin) > 0)
-      if (allocated(mesh%error_cos)) varies = varies .or. any(abs(mesh%error_cos) > 0)
-      if (allocated(mesh%error_sin)) varies = varies .or. any(abs(mesh%error_sin) > 0)
-   end function varies
-
-   !> Adds '&mesh 1: sentence'.
-   subroutine add_warning(warnings, group, i, sentence)
-      type(text_type), allocatable, intent(inout) :: warnings(:)
-      !> Name of the group and its number.
-      character(*), intent(in) :: group, sentence
-      integer, intent(in) :: i
-      type(text_type) :: warning
-
-      warning%text = group_label(group, i)//': '//sentence
-      warnings = [warnings, warning]
-   end subroutine add_warning
 
    !> Warns of a mesh stiffness that becomes negative: its amplitudes may be in N/m instead of shares of the mean stiffness.
    subroutine warn_of_negative_stiffness(plain, warnings)

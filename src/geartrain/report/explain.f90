@@ -206,8 +206,9 @@ contains
                                           &times the mass times the square of the centre distance'), added)
          if (.not. context%toothed) return
          if (.not. k%known) return
-         turns = abs(k%turning%speed(i))
-         call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth'), turns)
+         turns = k%turning%speed(i)
+         call carry(fields, field_type('turns', '', '1', 'per turn of '//trim(speed_name(context))//', by the teeth; below 0: &
+            &the other way round'), turns)
          order = k%revolution_order(i)
          if (has_table_of_torque(body)) order = order*body%torque_revolutions
          if (order > 0) call carry(fields, field_type('revolution_order', '', '1', 'its revolution (of a planet &

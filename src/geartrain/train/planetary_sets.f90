@@ -5,10 +5,11 @@ module geartrain_train_planetary_sets
    use geartrain_base_numbers, only: integer_text
    use geartrain_train_bodies, only: find_carriers, find_ends
    use geartrain_train_body, only: name_length
+   use geartrain_train_mesh, only: mesh_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: find_sets, planetary_set_type, torsion_share
+   public :: find_sets, planetary_set_type, same_gears, torsion_share
 
    !> Difference of the radii of equal gears that counts as rounding [1].
    real(dp), parameter :: rounding = 1e-9_dp
@@ -108,7 +109,8 @@ contains
             n = 0
             do j = m, size(train%meshes)
                if (used(j) .or. carrier(j) /= carrier(m)) cycle
-               if (mesh_ends(side, j) /= mesh_ends(side, m) .or. .not. alike(j)) cycle
+               if (mesh_ends(side, j) /= mesh_ends(side, m) .or. &
+                   .not. same_gears(train%meshes(m), train%meshes(j))) cycle
                n = n + 1
                found(n) = j
             end do
@@ -126,20 +128,17 @@ contains
          end do
       end do
 
-   contains
-
-      !> Whether a mesh has the gears of mesh m.
-      pure logical function alike(j)
-         integer, intent(in) :: j
-
-         associate (one => train%meshes(m), other => train%meshes(j))
-            alike = (one%internal .eqv. other%internal) .and. &
-                    abs(one%driving_radius - other%driving_radius) <= rounding*one%driving_radius .and. &
-                    abs(one%driven_radius - other%driven_radius) <= rounding*one%driven_radius
-         end associate
-      end function alike
-
    end subroutine find_groups
+
+   !> Whether two meshes have equal gears.
+   pure logical function same_gears(one, other)
+      !> The meshes.
+      type(mesh_type), intent(in) :: one, other
+
+      same_gears = (one%internal .eqv. other%internal) .and. &
+                   abs(one%driving_radius - other%driving_radius) <= rounding*one%driving_radius .and. &
+                   abs(one%driven_radius - other%driven_radius) <= rounding*one%driven_radius
+   end function same_gears
 
    !> Sets the name of a set: what the names of its meshes begin with, 'stage 1 sun 2'.
    pure subroutine find_name(train, number, set)
