@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, run
 from scipy.integrate import solve_ivp
 
 import geartrain as gt
-from geartrain.results.orders import owners_of
+from geartrain.results.orders import named_orders, orders_of, owners_of
 
 TEETH, GEAR = 20, 31
 #: Cumulative pitch errors of 20 teeth [m], drawn once.
@@ -217,20 +217,51 @@ def test_sidebands_have_owners():
     assert table.amplitude.dims == ("order", "mesh") and table.per_revolution.values.tolist() == table.order.values.tolist()
 
 
-def test_orders_that_errors_do_not_cause():
-    """Sums of two mesh orders that have no name are sums all the same, though the gear with errors has a line there."""
+def two_stages_with_an_error(gear):
+    """Orders of the meshes 60 and 34, of the pinion a 3, of the shaft between 2."""
     common = {"normal_module": 3e-3, "face_width": 0.02, "stiffness": 2e8, "damping_ratio": 0.05, "stiffness_cos": [0.2, 0.1]}
-    train = gt.Train(
+    error = {"driving_pitch_error": [1e-6 * tooth for tooth in range(20)]} if gear == 1 else {
+        "driven_error_cos": [2e-6, *49 * [0.0], 1e-9]}
+    return gt.Train(
         characteristic_frequency=1e3, shafts=[gt.Shaft(between=("b", "c"), stiffness=2e5, damping_ratio=0.02)],
         bodies=[gt.Body(name="a", inertia=0.002, torque=50.0), gt.Body(name="b", inertia=0.01), gt.Body(name="c", inertia=0.003),
                 gt.Body(name="d", inertia=0.05, balances=True)],
-        meshes=[gt.Mesh(between=("a", "b"), teeth=[20, 30], driving_pitch_error=[1e-6 * tooth for tooth in range(20)], **common),
-                gt.Mesh(between=("c", "d"), teeth=[17, 41], **common)])
-    # Orders of the meshes 60 and 34, of the pinion a 3.
+        meshes=[gt.Mesh(between=("a", "b"), teeth=[20, 30], **error, **common), gt.Mesh(between=("c", "d"), teeth=[17, 41], **common)])
+
+
+def test_orders_that_errors_do_not_cause():
+    """Sums of two mesh orders that have no name are sums all the same, though the gear with errors has a line there."""
+    train = two_stages_with_an_error(1)
     names = {4 * 60 - 3 * 34: "4 x mesh 1 - 3 x mesh 2", 60 - 3: "1 x mesh 1 - 1 x a", 2 * 60 + 3 * 3: "2 x mesh 1 + 3 x a",
              2 * 60 + 5 * 34: "2 x mesh 1 + 5 x mesh 2"}
     assert owners_of(train, names, {}) == [*names.values()]
     assert owners_of(train, [4 * 60 - 3 * 34 + 0.5], {}) == [""]  # a sub-harmonic
+
+
+def test_orders_that_are_multiples_of_another_mesh():
+    """A wheel with errors turns with the pinion of the next stage: its sideband 4 x 30 - 1 is 7 x 17 too."""
+    train = two_stages_with_an_error(2)
+    assert named_orders(train)[119.0] == "7 x mesh 2" and named_orders(train)[118.0] == "4 x mesh 1 - 2 x b"
+    assert orders_of(train, ["4 x mesh 1 - 1 x b", "mesh 1 - 1 x b"]) == {119.0: "7 x mesh 2", 29.0: "1 x mesh 1 - 1 x b"}
+
+
+def test_causes_of_peaks_that_have_two(executable, tmp_path):
+    """Harmonics of the error of the wheel beside multiples of the next mesh frequency, which its nonlinearity excites."""
+    train = two_stages_with_an_error(2)
+    case = train.namelist() + "&response from = 1060.0, to = 980.0, unit = 'rpm', harmonics = 0, tolerance = 1e-3 /\n"
+    (tmp_path / "case.nml").write_text(case)
+    said = run(executable, "case.nml", "--verbose", cwd=tmp_path).stdout
+    assert "3 x mesh 2 (by its nonlinearity); 51 x revolution of b" in said
+
+
+def test_explained_series_are_whole():
+    """Runout gives a cosine of order 1 alone; sines go on."""
+    told = pair(driven_runout=10e-6, driven_error_sin=[0.0, 2e-6], stiffness_sin=[0.0, 0.1], stiffness_cos=[0.2]).explain()["mesh 1"]
+    assert told["driven_error_cos"].tolist() == pytest.approx([10e-6, 0.0]) and told["driven_error_sin"].tolist() == [0.0, 2e-6]
+    assert told["stiffness_cos"].tolist() == [0.2, 0.0] and told["stiffness_sin"].tolist() == [0.0, 0.1]
+    drawn = gt.read_case(ROOT / "namelists" / "reducer.nml").train
+    given = replace(drawn, meshes=[replace(mesh, contact_ratio=1.55) for mesh in drawn.meshes])
+    assert given.explain()["mesh 1"]["contact_ratio"] == 1.55 and drawn.explain()["mesh 1"]["contact_ratio"] > 1.56
 
 
 def test_two_stages_with_errors_of_their_gears():

@@ -30,6 +30,12 @@ def test_pitch_errors_of_a_table(tmp_path):
         "numbered.csv": "# Pinion 1 [11]\ntooth,error [mm]\n" + "".join(f"{t},{x / 1000}\n" for t, x in zip(teeth, microns)),
         "machine.txt": "Protokoll;\nZähnezahl;23\nModul [mm];2,5\n\nZahn;f_p [\N{MICRO SIGN}m];F_p [\N{MICRO SIGN}m]\n" +
             "".join(f"{t};{x};{y}\n" for t, x, y in zip(teeth, singles, microns)).replace(".", ",") + "\nFp;12,5\nfp max;2,1\n",
+        "module.txt": "# Modul mn = 2.500 [mm]\n# Breite [mm]: 42\nZahn;fp;Fp\n" +
+            "".join(f"{t};{x};{y}\n" for t, x, y in zip(teeth, singles, microns)),
+        "paged.txt": "".join(("Zahn fp/um Fp/um\n" if t in (1, 12) else "") + f"{t} {x} {y}\n"
+                             for t, x, y in zip(teeth, singles, microns)),
+        "quoted.csv": '"Tooth","fp","Fp"\n' +
+            "".join(f'"{t}","{x}","{y}"\n' for t, x, y in zip(teeth, singles, microns)).replace(".", ","),
         "comma.csv": "tooth;F_p [\N{MICRO SIGN}m]\n" + "".join(f"{t};{x}\n" for t, x in zip(teeth, microns)).replace(".", ","),
     }
     for name, text in tables.items():
@@ -41,7 +47,8 @@ def test_pitch_errors_of_a_table(tmp_path):
             assert np.allclose(train.meshes[0].driving_pitch_error, expected.meshes[0].driving_pitch_error, rtol=0, atol=5e-13)
             assert not train.meshes[0].driven_pitch_error and not train.meshes[1].driving_pitch_error
             notes = [note for note in train.notes if name in note]
-            assert len(notes) == {"plain.txt": 3, "numbered.csv": 2}.get(name, 1) and f"times {cosine:.5f}" in notes[0]
+            count = {"plain.txt": 3, "numbered.csv": 2, "module.txt": 2, "quoted.csv": 2}.get(name, 1)
+            assert len(notes) == count and f"times {cosine:.5f}" in notes[0]
     for heading in ("fp [um]\n", "# single pitch errors\ntooth\terror [um]\n"):
         rows = (f"{t}\t{x}\n" if "\t" in heading else f"{x}\n" for t, x in zip(teeth, singles))
         (tmp_path / "single.txt").write_text(heading + "".join(rows))
@@ -128,6 +135,8 @@ def test_from_rexs_to_a_report_with_sidebands(executable, tmp_path):
     ("mesh 1 driving", "unit: mm\ntooth;Fp [um]\n1;1\n", [":1: error: unit 'mm': another line has 'um'"]),
     ("mesh 1 driving", "# [um]\n# [mm]\ntooth;Fp\n1;5\n", [":2: error: unit 'mm': another line has 'um'"]),
     ("mesh 1 driving", "# [0.1 um]\ntooth;Fp\n1;5\n", [":1: error: unit '0.1 um'"]),
+    *(("mesh 1 driving", f"Report: all values in {unit}\ntooth;Fp\n1;5\n", [f":1: error: unit '{unit}'"])
+      for unit in ("0.1 um", "1/10 um", "microinches")),
     ("mesh 1 driving", "\n# nothing\n", ["table.txt: error: has no numbers"]),
     ("mesh 1 driving", b"0.5\n\x81\n", [":2: error: no text in UTF-8, UTF-16 or Windows-1252"]),
     ("mesh 1 driving", b"0.5\n\0\n", [":2: error: no text in UTF-8, UTF-16 or Windows-1252"]),

@@ -1,6 +1,7 @@
 """Forces and torques as measurements: universal files, MDF, rainflow counts, order cuts."""
 
 import sys
+import warnings
 from dataclasses import replace
 from math import pi
 
@@ -146,6 +147,24 @@ def test_order_cuts_of_a_known_ramp(ramp):
     assert np.allclose(cuts.phase.sel(order=1, mesh=1), 0.3, atol=5e-3)
     assert np.allclose(cuts.phase.sel(order=3, mesh=1), -0.5, atol=1e-2)
     assert np.allclose(cuts.fundamental_frequency, np.interp(at, time, hertz))
+
+
+@pytest.mark.parametrize(("seconds", "warned"), [(4.0, 0), (0.15, 1)])
+def test_windows_separate_an_order_from_other_lines_of_the_train(ramp, reducer_train, seconds, warned):
+    """Order 71 of mesh 1 stands beside 76, four times that of mesh 2, which nobody asks for."""
+    time = np.linspace(0.0, seconds, round(20000 * seconds) + 1)
+    hertz = np.linspace(9.0, 11.0, len(time))
+    turns = time * 9.0 + time**2 / seconds
+    force = np.zeros((len(time), 2))
+    force[:, 0] = np.cos(2 * pi * 71 * turns) + 3.0 * np.cos(2 * pi * 76 * turns)
+    known = replace(ramp, train=reducer_train, time=time, fundamental_frequency=hertz, frequency=hertz, speed=None,
+                    mesh_force=force)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        cuts = known.order_cuts(["mesh 1"])
+    said = [str(one.message) for one in caught]
+    assert len(said) == warned and (np.allclose(cuts.amplitude.sel(mesh=1), 1.0, rtol=0.01) or warned)
+    assert not warned or "a quarter of the ramp, do not separate order 71 from 76: a slower ramp does, or cycles = 0.8" in said[0]
 
 
 def test_orders_have_their_names(reducer_train):

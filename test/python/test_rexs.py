@@ -3,7 +3,7 @@
 The files are written after the published schema by rexs_files.py. The files that other projects publish are read in development.
 """
 
-from math import cos, pi, radians
+from math import acos, atan, cos, pi, radians, tan
 
 import numpy as np
 import pytest
@@ -40,6 +40,15 @@ def cone(begin, end, length, bore, spring):
     return pi / 32 * DENSITY * length * np.mean(polar) * 1e-15
 
 
+def apart(teeth, module, shifts, distance, helix=0.0):
+    """Backlash of teeth of full thickness at the working pitch circles: the pitch there less both thicknesses."""
+    transverse = atan(tan(radians(20)) / cos(radians(helix)))
+    working = acos(sum(teeth) * module / cos(radians(helix)) / 2 * cos(transverse) / distance)
+    involutes = tan(transverse) - transverse - tan(working) + working
+    halves = [pi / (2 * z) + 2 * x * tan(radians(20)) / z + involutes for z, x in zip(teeth, shifts, strict=True)]
+    return 2 * distance / sum(teeth) * (pi - sum(z * half for z, half in zip(teeth, halves, strict=True)))
+
+
 def by_hand():
     """The reducer `two_stages` as an engineer types it, with the numbers that a drawing has not worked out beforehand."""
     # Each stretch of a shaft between two places goes to either by half; the cone of the middle shaft is from 100 to 160 mm.
@@ -55,9 +64,9 @@ def by_hand():
     springs = [stiffness((30, 0, 140)), middle, stiffness((60, 0, 180))]
     ends = ("motor", "pinion 1"), ("wheel 1", "pinion 2"), ("wheel 2", "machine")
     shafts = [gt.Shaft(between=pair, stiffness=spring, damping_ratio=0.01) for pair, spring in zip(ends, springs, strict=True)]
-    # DIN 3967 c25: mean thinning of the pair in the normal section [um], brought to the working circle.
-    backlash = [1e-6 * (105 + 140) / COSINE * 122 / (94 * 2.5 / 2 / COSINE),
-                1e-6 * (105 + 185) / COSINE * 206 / (99 * 4 / 2 / COSINE)]
+    # DIN 3967 c25: mean thinning of the pair in the normal section [um], brought to the working circle; and the distance.
+    backlash = [1e-6 * (105 + 140) / COSINE * 122 / (94 * 2.5 / 2 / COSINE) + apart((23, 71), 2.5e-3, (0.1, 0.0), 0.122, 15),
+                1e-6 * (105 + 185) / COSINE * 206 / (99 * 4 / 2 / COSINE) + apart((19, 80), 4e-3, (0.2, 0.0), 0.206, 15)]
     drawn = {"helix_angle": 15.0, "damping_ratio": 0.05, "elastic_modulus": [2.1e11, 2.1e11]}
     meshes = [gt.Mesh(between=("pinion 1", "wheel 1"), teeth=[23, 71], normal_module=2.5e-3, face_width=0.040,
                       profile_shift=[0.1, 0.0], centre_distance=0.122, backlash=backlash[0], **drawn),
@@ -86,8 +95,8 @@ def test_the_same_response_as_typed_by_hand(tmp_path):
         shafts=[gt.Shaft(between=("motor", "pinion"), stiffness=stiffness((30, 0, 140)), damping_ratio=0.01),
                 gt.Shaft(between=("wheel", "machine"), stiffness=stiffness((60, 20, 190)), damping_ratio=0.01)],
         meshes=[gt.Mesh(between=("pinion", "wheel"), teeth=[23, 71], normal_module=2.5e-3, face_width=0.040,
-                        profile_shift=[0.1, 0.1], centre_distance=0.118, backlash=1e-6 * (105 + 140) * 118 / 117.5,
-                        damping_ratio=0.05, elastic_modulus=[2.1e11, 2.1e11])])
+                        profile_shift=[0.1, 0.1], centre_distance=0.118, damping_ratio=0.05, elastic_modulus=[2.1e11, 2.1e11],
+                        backlash=1e-6 * (105 + 140) * 118 / 117.5 + apart((23, 71), 2.5e-3, (0.1, 0.1), 0.118))])
     assert np.allclose(read.natural_frequencies(), typed.natural_frequencies(), rtol=1e-12)
     ours, theirs = (train.response(start=1500.0, stop=1480.0, unit="rpm", harmonics=4).at(1490.0)[0] for train in (read, typed))
     assert np.allclose(ours.mesh_force_maximum, theirs.mesh_force_maximum, rtol=1e-12)
@@ -195,6 +204,28 @@ def test_a_carrier_that_drives(tmp_path):
     assert train.response(start=1500.0, stop=1499.0, harmonics=1).mean.min() > 0  # all meshes on their drive flanks
 
 
+@pytest.mark.parametrize("defines", [None, False, True])
+def test_every_torque_of_the_file_counts(tmp_path, defines):
+    """Also of a second motor that does not define the torque; the machine without a torque balances."""
+    box = two_stages()
+    box.load(box.number("Input"), "Generator", 60.0, torque_around_u_axis=("N m", 50.0),
+             **({} if defines is None else {"defines_torque": ("none", defines)}))
+    read = gt.read_rexs(box.write(tmp_path / "a.rexs"))
+    torque = {body.name.split(" [")[0]: body.torque for body in read.bodies}
+    assert torque["Generator"] == 50.0 and torque["Motor"] == 90.0 and read.bodies[-1].balances
+    assert bool(said(read.notes, "assumed", "its torque of 50 N m acts")) == (defines is not True)
+
+
+def test_speeds_and_places_that_contradict(tmp_path):
+    box = two_stages().change("Output [", rotational_speed=("1 / min", 200.0))
+    box.change("Wheel 1 [", u_coordinate_on_shaft=("mm", 5.0))
+    notes = gt.read_rexs(box.write(tmp_path / "a.rexs")).notes
+    assert said(notes, "not used", "its speed of 200 1/min: by the teeth it turns at 115.40")
+    assert said(notes, "assumed", "Stage 1 [23]: its gears mesh, although their faces are 4 mm apart along the axes")
+    assert not any("apart along" in note or "its speed of" in note for note in gt.read_rexs(two_stages().write(
+        tmp_path / "b.rexs")).notes)
+
+
 def test_unlike_planets_are_meshes(tmp_path):
     """Planets of unlike teeth are no set: their meshes stand for themselves, on the carrier, whose inertia has their masses."""
     box = planetary(planets=2)
@@ -216,7 +247,7 @@ def test_what_rexs_lacks_is_asked_for(tmp_path):
     notes = notes_of(two_stages(), tmp_path)
     assert said(notes, "missing", "Motor [25], Machine [26]: inertia of the machine there")
     assert said(notes, "missing", "damping ratios 0.05 of meshes and 0.01 of shafts")
-    assert said(notes, "assumed", "backlash 254 um, by DIN 3967 c25")
+    assert said(notes, "assumed", "backlash 337 um, by DIN 3967 c25: mean tooth thickness, mean distance, 82 um of them")
     assert gt.Train(bodies=[gt.Body(name="a", inertia=1.0), gt.Body(name="b", inertia=1.0, balances=True)],
                     meshes=[gt.Mesh(between=("a", "b"), driving_radius=1.0, driven_radius=1.0, stiffness=1.0)],
                     characteristic_length=1.0, characteristic_frequency=1.0).notes == ()

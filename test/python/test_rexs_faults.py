@@ -30,6 +30,8 @@ def refused(path, *words):
     ("Pinion 1 [", {"number_of_teeth": ("none", 1e9)}, ["must be a whole number from 3 on"]),
     ("Pinion 1 [", {"number_of_teeth": ("none", "many")}, ["number_of_teeth = 'many': must be a number"]),
     ("Pinion 1 [", {"normal_module": ("mm", 3.0)}, ["differ in module or helix angle: 3 mm and 2.5 mm"]),
+    ("Pinion 1 ", {"normal_pressure_angle": ("deg", 17.5)},
+     ["stage Stage 1", "differ in normal pressure angle: 17.5 and 20 degrees"]),
     ("Pinion 1 [", {"normal_module": ("mm", -3.0)}, ["must be above 0"]),
     ("Pinion 1 [", {"normal_module": ("furlong", 3.0)}, ["unit 'furlong': must be mm or mum or m"]),
     ("Pinion 1 [", {"normal_module": ("m", 2.5)}, ["normal_module = 2500 mm: must be 0.02 to 200 mm"]),
@@ -79,6 +81,26 @@ def test_stages_of_another_geometry(tmp_path, kind):
     box = two_stages()
     box.add(kind, "Bevel set")
     refused(box.write(tmp_path / "gearbox.rexs"), kind, "only cylindrical and planetary stages are read")
+
+
+def test_relations_that_contradict(tmp_path):
+    """A second one of the same place is not read as if it were not there."""
+    for kind, roles, words in (
+        ("assembly", {"assembly": "Output", "part": "Pinion 1 ["},
+         "cylindrical_gear Pinion 1 [11]: is on 2 shafts: Input [4], Output"),
+        ("assembly", {"assembly": "Output", "part": "Motor"}, "external_load Motor [25]: is on 2 shafts: Input [4], Output"),
+        ("reference", {"origin": "Wheel 1 [", "referenced": "Cast"},
+         "cylindrical_gear Wheel 1 [14]: has 2 materials: Steel [3], Cast"),
+        ("stage", {"stage": "Stage 1", "gear_1": "Pinion 2 [", "gear_2": "Wheel 2 ["}, "Stage 1 [23]: has 2 relations to gears"),
+    ):
+        box = two_stages()
+        box.add("material", "Cast", elastic_modulus=("N / mm^2", 170000.0))
+        box.relate(kind, **{role: box.number(name) for role, name in roles.items()})
+        refused(box.write(tmp_path / "a.rexs"), words)
+    box = two_stages()
+    same = next(roles for kind, roles in box.relations if kind == "stage")
+    box.relate("stage", **same)
+    assert gt.read_rexs(box.write(tmp_path / "a.rexs")).bodies[0].name == "Motor [25]"
 
 
 def test_couplings_load_cases_and_versions_that_cannot_be(tmp_path):

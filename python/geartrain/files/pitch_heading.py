@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from ..errors import InputError, shown
 
-__all__ = ["UNITS", "Heading", "is_unit", "kind_of", "read_heading", "unit_of", "unit_of_comment"]
+__all__ = ["UNITS", "Heading", "is_unit", "kind_of", "read_heading", "unit_of", "unit_of_comment", "values_in"]
 
 #: Units that a heading may name [m].
 UNITS = {**dict.fromkeys(("um", "\N{MICRO SIGN}m", "\N{GREEK SMALL LETTER MU}m", "mum", "micron", "microns"), 1e-6),
@@ -20,6 +20,7 @@ _CUMULATIVE = re.compile(r"F_?pi?|(?i:cum(ulative)?|kumul\w*|accumulated|total|i
 _SINGLE = re.compile(r"f_?p(t|i|ti)?|(?i:single|individual|adjacent|einzel(teilung\w*)?|teilungs-?einzel\w*)")
 _NEITHER = re.compile(r"(?i:errors?|dev|deviations?|(teilungs-?)?(abweichung(en)?|fehler)|pitch|teilung(en)?|values?|werte?|"
                       r"measured|gemessen|left|right|links?|rechts?|[lr][fh]?|flanks?|flanken?|linke|rechte|iso|1328(-1)?)")
+_OTHER_UNITS = re.compile(r"(?i)(micro-?|u|\N{MICRO SIGN})?inch(es)?|(u|\N{MICRO SIGN})in|mils?|thou|zoll")
 #: Where a unit may stand: in brackets, after 'in' or '/', or after a comma.
 _PLACES = (r"\[([^\]]*)\]", r"\(([^)]*)\)", r"\bin\s+(.+)$", r"/\s*(\S+)\s*$", r",\s*(\S+)\s*$")
 
@@ -56,14 +57,22 @@ def read_heading(place: str, text: str, chosen: bool = False) -> Heading:
 
 
 def unit_of_comment(place: str, text: str) -> str | None:
-    """The unit in a comment, in brackets or after 'unit'. A number in brackets belongs to the name of a component."""
+    """The unit in a comment, in brackets, after 'unit' or as 'values in um'. A number in brackets belongs to the name of a
+    component, and brackets beside a number to that number."""
+    text = re.sub(r"\d\s*[\[(][^\])]*[\])]|[\[(][^\])]*[\])]\s*[:=;]\s*[-+\d]", " ", text)
     found = [inside for inside in re.findall(r"\[([^\]]*)\]", text) if not re.search(r"\d", inside) or is_unit(inside.split()[-1])]
     found += [inside for inside in re.findall(r"\(([^)]*)\)", text) if is_unit(inside)]
-    found += re.findall(r"(?i)(?:unit|einheit)s?[\s:;=,\t]+(\S+)", text)
+    found += re.findall(r"(?i)(?:unit|einheit)(?:s|en)?[\s:;=,\t]+(\S+)", text) + values_in(text)
     units = [unit_of(inside) for inside in found]
     if None in units or len({*units}) > 1:
         raise InputError(f"{place}: error: unit {shown(' and '.join(found))}: must be um, mm, nm or m, once")
     return units[0] if units else None
+
+
+def values_in(text: str) -> list[str]:
+    """Of a line as 'all values in 0.1 um' what follows 'in' and ends with a unit, also with one that is not read."""
+    return [inside for inside in re.findall(r"(?i)\bin\s+((?:\d[\d.,/]*\s*)?[^\s.,;:)]+)", text)
+            if is_unit(word := re.sub(r"^[\d.,/\s]+", "", inside)) or _OTHER_UNITS.fullmatch(word)]
 
 
 def kind_of(words: Sequence[str]) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 import re
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ..errors import InputError, shown
-from .pitch_heading import UNITS, is_unit, kind_of, read_heading, unit_of, unit_of_comment
+from .pitch_heading import UNITS, is_unit, kind_of, read_heading, unit_of, unit_of_comment, values_in
 from .text_file import decoded, read_bytes
 
 __all__ = ["PitchTable", "read_pitch_table"]
@@ -53,7 +54,7 @@ def read_pitch_table(path: str | os.PathLike[str]) -> PitchTable:
     columns = _headings(name, lines, rows[0], heads)
     place = _column(name, rows, heads, columns, wanted, "," in lines[rows[0].line - 1])
     kind, unit = read_heading(f"{name}:{heads[-1] if heads else 1}", columns[place], chosen=bool(wanted))
-    comments = [line for line in heads if re.match(r"(?i)\s*(#|unit|einheit)", lines[line - 1])]
+    comments = [line for line in heads if re.match(r"(?i)\s*(#|unit|einheit)", lines[line - 1]) or values_in(lines[line - 1])]
     for line in comments if unit is None else [line for line in comments if re.search(r"(?i)\b(unit|einheit)", lines[line - 1])]:
         found = unit_of_comment(f"{name}:{line}", lines[line - 1])
         if found and unit and found != unit:
@@ -94,7 +95,8 @@ def _rows(name: str, lines: Sequence[str]) -> tuple[list[_Row], list[int]]:
         is_text = [value is None and word != "" for word, value in zip(words, values)]
         if not line.strip() or line.lstrip().startswith("#") or (is_text[0] if rows else any(is_text)):
             heads += [number] if re.search(r"\w|\[|#", line) and not rows else []  # no rules
-            after = after or (number if rows and line.strip() and not line.lstrip().startswith("#") else 0)
+            again = any(line.split() == lines[head - 1].split() for head in heads)  # as on the next page
+            after = after or (number if rows and line.strip() and not line.lstrip().startswith("#") and not again else 0)
             continue
         place = f"{name}:{number}: error: {shown(line.strip())}"
         if after:
@@ -122,6 +124,8 @@ def _cells(line: str, separator: str) -> list[str]:
     """The words of a line, of which the last may be followed by a separator."""
     if separator in ("", " "):
         words = line.split() or [""]
+    elif '"' in line:
+        words = next(csv.reader([line.strip()], delimiter=separator))
     else:
         words = line.strip(" ").split(separator)
     words = [word.strip().strip("\"'").replace("\N{MINUS SIGN}", "-") for word in words]

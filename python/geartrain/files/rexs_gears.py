@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from .din3967 import mean_thinning
@@ -119,7 +119,11 @@ def read_pairs(source: Source, distance: Callable[[Component, Component], float 
     found = []
     shifts: dict[int, float] = {}
     for stage in source.file.of_kind("cylindrical_stage"):
-        roles = next(source.file.related("stage", stage=stage.number), {})
+        related = list(source.file.related("stage", stage=stage.number))
+        if any(roles != related[0] for roles in related):
+            source.wrong(stage, f"has {len(related)} relations to gears, and not to the same: must have one")
+            continue
+        roles = related[0] if related else {}
         kinds = [roles[name].kind for name in ("gear_1", "gear_2") if name in roles]
         if len(kinds) < 2 or {*kinds} - {"cylindrical_gear", "ring_gear"} or roles["gear_1"] is roles["gear_2"]:
             told = f": {' and '.join(kinds)}" if kinds else ""
@@ -187,10 +191,25 @@ def _pair(
     if not one.internal and not other.internal and one.helix * other.helix > 1e-4:
         source.wrong(stage, f"{one.component} and {other.component} have helix angles of the same hand: must be parallel axes")
         return None
+    gears = _with_pressure_angle(source, stage, gears)
     between = _distance(source, stage, gears, distance)
     shifts = _shifts(source, stage, gears, between, known)
-    return Pair(stage, gears, between, _width(source, stage, gears), shifts, _backlash(source, stage, gears, between),
+    return Pair(stage, gears, between, _width(source, stage, gears), shifts, _backlash(source, stage, gears, between, shifts),
                 _tips(source, gears, shifts), _dedendum(source, gears), _moduli(source, gears))
+
+
+def _with_pressure_angle(source: Source, stage: Component, gears: tuple[Gear, Gear]) -> tuple[Gear, Gear]:
+    """Gears with the normal pressure angle of both; a missing one is that of the mate."""
+    one, other = gears
+    if one.pressure is not None and other.pressure is not None and abs(one.pressure - other.pressure) > 1e-3:
+        source.wrong(stage, f"{one.component} and {other.component} differ in normal pressure angle: {one.pressure:g} and "
+                            f"{other.pressure:g} degrees")
+    common = one.pressure or other.pressure
+    for gear in gears:
+        if gear.pressure is None:
+            told = f"{common:g} degrees, that of its mate" if common else "20 degrees"
+            source.note("missing", f"normal pressure angle; {told}", gear.component)
+    return replace(one, pressure=one.pressure or common), replace(other, pressure=other.pressure or common)
 
 
 def _distance(
@@ -292,8 +311,10 @@ def _tips(source: Source, gears: tuple[Gear, Gear], shifts: tuple[float, float])
     return None
 
 
-def _backlash(source: Source, stage: Component, gears: tuple[Gear, Gear], distance: float | None) -> Entry:
-    """Circumferential backlash at the working pitch circles: as computed by another program, by DIN 3967, or assumed."""
+def _backlash(
+    source: Source, stage: Component, gears: tuple[Gear, Gear], distance: float | None, shifts: tuple[float, float]
+) -> Entry:
+    """Circumferential backlash at the working pitch circles: as computed by another program, or by DIN 3967 and the distance."""
     for section, factor in (("transverse", 1.0), ("normal", _normal_to_circle(gears, distance))):
         least, most = (source.number(stage, f"{end}_{section}_backlash") for end in ("minimum", "maximum"))
         if least is not None and most is not None and 0 <= least <= most:
@@ -317,11 +338,19 @@ def _backlash(source: Source, stage: Component, gears: tuple[Gear, Gear], distan
     count = abs(sum(-gear.teeth if gear.internal else gear.teeth for gear in gears))
     helix = math.cos(math.radians(gears[0].helix))
     wider = 1.0 if distance is None or count == 0 else distance / (count * gears[0].module / (2 * helix))
-    value = (thinning[0] + thinning[1]) / helix * wider
+    # Where axes are farther apart than flanks of full thickness need, that is backlash too.
+    apart = 0.0 if distance is None else 2 * gears[0].module * math.tan(math.radians(gears[0].pressure or 20.0)) * (
+        _sum_of_shifts(gears, distance) - sum(shifts))
+    value = (thinning[0] + thinning[1] + apart) / helix * wider
     word = " and ".join(dict.fromkeys(names))
+    more = f", {1e6 * apart / helix * wider:.0f} um of them by the centre distance" if abs(apart) > 0.5e-6 else ""
+    if value < 0:
+        source.wrong(stage, f"a centre distance of {1e3 * (distance or 0.0):g} mm: teeth thinned by DIN 3967 {word} overlap by "
+                            f"{-1e6 * value:.0f} um")
     if given:
-        source.note("assumed", f"backlash {1e6 * value:.0f} um, by DIN 3967 {word}: mean tooth thickness, mean distance", stage)
-    return Entry(value, f"{stage}: DIN 3967 {word}" if given else f"MISSING: DIN 3967 {word}")
+        told = f"backlash {1e6 * value:.0f} um, by DIN 3967 {word}: mean tooth thickness, mean distance{more}"
+        source.note("assumed", told, stage)
+    return Entry(value, (f"{stage}: DIN 3967 {word}" if given else f"MISSING: DIN 3967 {word}") + more)
 
 
 def _normal_to_circle(gears: tuple[Gear, Gear], distance: float | None) -> float:

@@ -113,6 +113,7 @@ def read_loads(machine: Machine) -> Loads:
     if found is None or np.linalg.matrix_rank(motions[:, list(given) or [reference]]) < len(motions):
         source.refuse(f"has {len(motions)} independent speeds, and gives {len(given)} (defines_speed, rotational_speed of "
                       f"shafts): give the others, or let a coupling be engaged")
+    _check_speeds(machine, found, given)
     speed = abs(given.get(reference, 0.0))
     made = Loads(reference, speed, f"{speed:g} 1/min in the file" if speed else "MISSING", found)
     made.held = dict(stopped)
@@ -153,6 +154,16 @@ def _given_speeds(machine: Machine) -> tuple[dict[int, float], dict[int, str]]:
     return given, stopped
 
 
+def _check_speeds(machine: Machine, found: Array, given: dict[int, float]) -> None:
+    """Say where the teeth give a shaft another speed than the file does."""
+    for shaft in machine.source.file.of_kind("shaft") if given else []:
+        bodies = [body for body in machine.network.on_shaft.get(shaft.number, []) if body in set(machine.kept)]
+        speed = machine.source.number(shaft, "rotational_speed")
+        if speed and bodies and not set(bodies) & set(given) and abs(abs(found[bodies[0]]) - abs(speed)) > 0.01 * abs(speed):
+            turns = float(found[bodies[0]] * machine.sense[bodies[0]])
+            machine.source.note("not used", f"its speed of {speed:g} 1/min: by the teeth it turns at {turns:.6g} 1/min", shaft)
+
+
 def _without_speed(machine: Machine) -> dict[int, str]:
     """Bodies of shafts that define a speed and have none, which stand still: some programs leave out a speed of 0."""
     source, found = machine.source, {}
@@ -186,7 +197,13 @@ def _put_torques(machine: Machine, made: Loads, loads: list[tuple[int, Component
         place, load = loads[-1]
         source.note("assumed", f"balances all other torques; its own, {known.pop(load.number)[0]:g} N m, is not used", load)
     free = [row for row in loads if row[1].number not in known]
-    _choose_balancing(machine, made, free, motions)
+    # Of those whose torque does not count so far, some have one all the same: they balance last.
+    own = {load.number: torque for place, load in free if (torque := _torque(machine, made, place, load)) is not None}
+    _choose_balancing(machine, made, sorted(free, key=lambda row: row[1].number in own), motions)
+    for place, load in free:
+        if load.number in own and place not in made.balancing:
+            known[load.number] = own[load.number]
+            source.note("assumed", f"its torque of {own[load.number][0]:g} N m acts, although it does not define the torque", load)
     torques = np.zeros(len(machine.network.bodies))
     for place, load in loads:
         if load.number in known and place not in made.balancing:
@@ -198,7 +215,7 @@ def _put_torques(machine: Machine, made: Loads, loads: list[tuple[int, Component
     if not torques.any():
         torques = _usual(machine, made, loads, held)
     for place, load in free:
-        if place not in made.balancing and place not in made.held and place not in made.torques:
+        if place not in {*made.balancing, *made.held, *made.torques}:
             source.note("missing", "torque; 0", load)
     made.forces = forces(machine.links, torques, list(made.balancing), held)
     _check_balance(machine, made, loads, torques)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .rexs_file import Component
 from .rexs_gears import Gear, Pair, read_pairs
-from .rexs_network import HOUSING, Body, Spring, build
+from .rexs_network import HOUSING, Body, Spring, build, middle_of
 from .rexs_shaft import Piece, Rotor, density_of
 from .rexs_source import Source
 from .rexs_statics import Link
@@ -46,6 +46,8 @@ class Machine:
         if len(self.network.bodies) > _MOST_BODIES:
             source.refuse(f"{len(self.network.bodies)} bodies: at most {_MOST_BODIES} are read")
         self.sense = self._senses()
+        for pair in self.pairs:
+            self._look_along(pair)
         self.springs: list[Spring] = self.network.springs
         self.links = [Link.spring(*spring.bodies) for spring in self.springs] + [self._link(pair) for pair in self.pairs]
         self.kept = self._keep()
@@ -71,6 +73,21 @@ class Machine:
             return None
         apart = rotors[1].origin - rotors[0].origin  # type: ignore[union-attr, operator]
         return float(np.linalg.norm(np.cross(apart, rotors[0].axis)))  # type: ignore[union-attr, arg-type]
+
+    def _look_along(self, pair: Pair) -> None:
+        """Say where the faces of two gears do not overlap, by the positions of their shafts."""
+        ends = []
+        for gear in pair.gears:
+            rotor = self.rotor(gear.component)
+            if rotor is None or rotor.axis is None or rotor.origin is None or gear.width is None:
+                return
+            sense = self.sense[self.network.gears[gear.component.number]]
+            middle = sense * (rotor.origin @ rotor.axis + middle_of(self.source, gear.component, rotor))
+            ends.append((middle - gear.width / 2, middle + gear.width / 2))
+        (first, last), (begin, end) = ends
+        if min(last, end) < max(first, begin):
+            apart = 1e3 * (max(first, begin) - min(last, end))
+            self.source.note("assumed", f"its gears mesh, although their faces are {apart:.4g} mm apart along the axes", pair.stage)
 
     def rotor(self, gear: Component) -> Rotor | None:
         """The shaft of a gear."""
@@ -185,7 +202,7 @@ def _rim(machine: Machine, gear: Gear, body: Body) -> Piece | None:
         (pair.width.value for pair in machine.pairs if gear in pair.gears and pair.width), None)
     if width is None or rotor is None:
         return None
-    at = rotor.diameters(_middle(machine, gear, rotor)) or (0.0, 0.0)
+    at = rotor.diameters(middle_of(source, gear.component, rotor)) or (0.0, 0.0)
     density = density_of(source, gear.component)
     if gear.internal:
         if at[1] <= gear.reference:
@@ -195,10 +212,3 @@ def _rim(machine: Machine, gear: Gear, body: Body) -> Piece | None:
         source.note("assumed", "the shaft is thicker than its reference circle; it counts alone", gear.component)
         return None
     return Piece(gear.reference, at[0], width, density, str(gear.component))
-
-
-def _middle(machine: Machine, gear: Gear, rotor: Rotor) -> float:
-    position = machine.source.vector(gear.component, "support_vector")
-    if position is not None and rotor.origin is not None and rotor.axis is not None:
-        return float((position - rotor.origin) @ rotor.axis)
-    return machine.source.number(gear.component, "u_coordinate_on_shaft") or 0.0

@@ -10,7 +10,7 @@ from .rexs_file import Component
 from .rexs_shaft import Piece, Rotor, density_of, read_shaft
 from .rexs_source import Source
 
-__all__ = ["HOUSING", "Body", "Network", "Spring", "build"]
+__all__ = ["HOUSING", "Body", "Network", "Spring", "build", "middle_of"]
 
 #: The body that stands still.
 HOUSING = "housing"
@@ -119,8 +119,7 @@ def _place_gears(network: Network) -> dict[int, Hashable]:
     """The node of every gear, on its shaft or on the shaft that its hub is joined to."""
     source, found = network.source, {}
     for gear in source.file.of_kind("cylindrical_gear", "ring_gear"):
-        shaft = next((roles["assembly"] for roles in source.file.related("assembly", part=gear.number)
-                      if "assembly" in roles and roles["assembly"].kind == "shaft"), None)
+        shaft = _shaft_of(source, gear)
         if shaft is None:
             shaft = next((roles["inner_part"] for roles in source.file.related("side", outer_part=gear.number)
                           if roles.get("inner_part") is not None and roles["inner_part"].kind == "shaft"
@@ -128,11 +127,11 @@ def _place_gears(network: Network) -> dict[int, Hashable]:
         if shaft is None:
             source.wrong(gear, "is on no shaft")
             continue
-        found[gear.number] = network.place(shaft.number, _middle(source, gear, network.rotors[shaft.number]))
+        found[gear.number] = network.place(shaft.number, middle_of(source, gear, network.rotors[shaft.number]))
     return found
 
 
-def _middle(source: Source, gear: Component, rotor: Rotor) -> float:
+def middle_of(source: Source, gear: Component, rotor: Rotor) -> float:
     """u-coordinate of the middle of a gear on its shaft [m]."""
     placed = _by_position(source, gear, rotor)
     if placed is not None:
@@ -163,12 +162,19 @@ def _place(network: Network, kind: str) -> list[tuple[Component, Hashable]]:
     for component in source.file.of_kind(kind):
         if kind == "external_load" and source.truth(component, "transmits_torque") is False:
             continue
-        for roles in source.file.related("assembly", part=component.number):
-            if roles.get("assembly") is not None and roles["assembly"].kind == "shaft":
-                shaft = roles["assembly"].number
-                found.append((component, network.place(shaft, _coordinate(source, component, network.rotors[shaft]))))
-                break
+        shaft = _shaft_of(source, component)
+        if shaft is not None:
+            found.append((component, network.place(shaft.number, _coordinate(source, component, network.rotors[shaft.number]))))
     return found
+
+
+def _shaft_of(source: Source, component: Component) -> Component | None:
+    """The shaft to which a component belongs by a relation of assembly."""
+    shafts = [roles["assembly"] for roles in source.file.related("assembly", part=component.number)
+              if roles.get("assembly") is not None and roles["assembly"].kind == "shaft"]
+    if len({shaft.number for shaft in shafts}) > 1:
+        source.wrong(component, f"is on {len(shafts)} shafts: {', '.join(map(str, shafts))}")
+    return shafts[0] if shafts else None
 
 
 def _joins(component: Component | None) -> bool:

@@ -182,10 +182,11 @@ def _millimetres(values: tuple[float, float]) -> str:
 
 def material_of(source: Source, component: Component) -> Component | None:
     """The material that a component refers to."""
-    for roles in source.file.related("reference", origin=component.number):
-        if "referenced" in roles and roles["referenced"].kind == "material":
-            return roles["referenced"]
-    return None
+    found = [roles["referenced"] for roles in source.file.related("reference", origin=component.number)
+             if "referenced" in roles and roles["referenced"].kind == "material"]
+    if any(material is not found[0] for material in found):
+        source.wrong(component, f"has {len(found)} materials: {', '.join(map(str, found))}")
+    return found[0] if found else None
 
 
 def density_of(source: Source, component: Component) -> float:

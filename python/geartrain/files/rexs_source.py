@@ -195,6 +195,9 @@ class Source:
         chosen = wanted or 1 + max(range(len(cases)), key=lambda place: self._share(cases[place]))
         if wanted is None:
             shares = ", ".join(f"{place} of {self._share(case):.3g} %" for place, case in enumerate(cases, 1))
+            total = sum(map(self._share, cases))
+            if total > 100.5:
+                shares += f", which are {total:.4g} % together"
             self.note("assumed", f"load case {chosen} of the load spectrum, that of the longest time; load_case takes another: "
                                  f"{shares}")
         return cases[chosen - 1]

@@ -15,7 +15,7 @@ from .._core.gradient import derivable
 from .._core.parameter import value_in
 from ..errors import InputError, NotDifferentiableWarning
 from ..results.order_table import named_spectrum
-from ..results.orders import gears_with_errors
+from ..results.orders import gears_with_errors, named_orders
 from .document import Document
 
 __all__ = ["sensitivities", "sidebands"]
@@ -148,15 +148,24 @@ def sidebands(made: Document, results: Any, train: Description) -> None:
     unit = "um" if train.characteristic_length is None else "characteristic lengths"
     places = range(-_SIDEBANDS, _SIDEBANDS + 1)
     head = ["sidebands of", "by turns of", "in", *(f"{far:+d}" if far else "0" for far in places)]
-    rows = []
+    rows: list[list[str]] = []
+    others = {order: name for order, name in named_orders(train).items() if " + " not in name and " - " not in name}
+    shared: dict[float, str] = {}
     for what, told in (("displacement", unit), ("mesh_force", "N")):
         lines = dict(zip(*(values.tolist() for values in motion.spectrum(what))))
-        rows += [[f"{times} x mesh {number}", gear, told,
-                  *(_cell(lines.get(times * mesh + far * turn), number - 1) for far in places)]
-                 for number, gear, mesh, turn in errors for times in range(1, _MULTIPLES + 1)]
+        for number, gear, mesh, turn in errors:
+            for times in range(1, _MULTIPLES + 1):
+                orders = [times * mesh + far * turn for far in places]
+                cells = [_cell(lines.get(order), number - 1) for order in orders]
+                same = [far != 0 and cell != "" and order in others for far, cell, order in zip(places, cells, orders)]
+                shared.update({order: others[order] for order, also in zip(orders, same) if also})
+                rows.append([f"{times} x mesh {number}", gear, told,
+                             *(f"{cell}*" if also else cell for cell, also in zip(cells, same))])
     made.table(head, rows)
+    also = ", ".join(sorted(shared.values()))
     made.sentence(f"Amplitudes of the displacement and of the force of the mesh itself, at {where}, {at}: at multiples of its "
-                  "frequency (0), and as many revolutions of the gear below and above them.")
+                  "frequency (0), and as many revolutions of the gear below and above them."
+                  + (f" *: an order of another cause too, {also}, which may be the larger one." if also else ""))
 
     order, amplitude, owner, ratio = named_spectrum(motion, _LEAST)
     gears = {gear for _, gear, *_ in errors}

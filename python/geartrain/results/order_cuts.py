@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._core.extras import extra
+from .._core.warn import warn
 from ..errors import InputError, shown
-from .orders import orders_of
+from .orders import gears_with_errors, orders_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -21,6 +22,8 @@ Array = NDArray[np.float64]
 
 #: Windows over the ramp, and the shares of a Hann window's cycles that separate two orders.
 _PICTURES, _APART = 400, 4.0
+#: Largest share of a ramp in a window that is chosen here, and sidebands of a gear with errors on either side.
+_WIDEST, _SIDEBANDS = 0.25, 3
 
 
 def cut_orders(run_up: Any, orders: Iterable[float | str] | None, what: str, cycles: float | None) -> Dataset:
@@ -39,8 +42,7 @@ def cut_orders(run_up: Any, orders: Iterable[float | str] | None, what: str, cyc
     if numbers[-1] > highest:
         raise InputError(f"orders: {numbers[-1]:g}: must be at most {highest:.6g}, half of the samples in a cycle of the "
                          "fundamental at the highest speed")
-    apart = float(np.diff(numbers, prepend=0.0).min())
-    wide = min(_APART / apart, float(turns[-1])) if cycles is None else cycles
+    wide = _window(run_up, named, float(turns[-1])) if cycles is None else cycles
     if isinstance(wide, bool) or not isinstance(wide, (int, float)) or not 0 < wide <= turns[-1]:
         raise InputError(f"cycles = {shown(cycles)}: must be above 0 and at most {turns[-1]:.6g}, the cycles of the fundamental")
     middles = np.linspace(wide / 2, turns[-1] - wide / 2, _PICTURES if wide < turns[-1] else 1)
@@ -71,3 +73,29 @@ def cut_orders(run_up: Any, orders: Iterable[float | str] | None, what: str, cyc
          "phase": (dimensions, np.angle(found), {"units": "rad", "description": "its lead over the cosine of the order"})},
         coordinates, {"what": what, "cycles": float(wide)})
     return made
+
+
+def _window(run_up: Any, named: dict[float, str], turns: float) -> float:
+    """As many cycles of the fundamental as separate the orders, from one another and from lines of the meshes beside them."""
+    lines = {0.0, *named, *_lines(run_up.train, max(named))}
+    pairs = [(abs(line - number), number, line) for number in named for line in lines if line != number]
+    apart = min(pairs)[0]
+    widest = max(_WIDEST * turns, min(turns, _APART / min(named)))
+    mixed = [(number, line) for distance, number, line in sorted(pairs) if _APART / distance > widest and line]
+    if mixed:
+        number, line = mixed[0]
+        warn(f"order cuts: windows of {widest:.4g} cycles of the fundamental, a quarter of the ramp, do not separate order "
+             f"{number:g} from {line:g}: a slower ramp does, or cycles = {_APART / abs(number - line):.4g}")
+    return min(_APART / apart, widest)
+
+
+def _lines(train: Any, highest: float) -> set[float]:
+    """Multiples of mesh orders up to beyond the highest order wanted, and sidebands of gears with errors."""
+    if train is None:
+        return set()
+    meshes = {float(order) for order in train._outline["order"][:len(train.meshes)] if order > 0}
+    found = {times * order for order in meshes for times in range(1, int(highest // order) + 2)}
+    for _, _, mesh, turn in gears_with_errors(train):
+        found |= {times * mesh + side * turn for times in range(int(highest // mesh) + 2)
+                  for side in range(-_SIDEBANDS, _SIDEBANDS + 1)}
+    return {line for line in found if line > 0}

@@ -22,26 +22,32 @@ def named_orders(train: Description) -> dict[float, str]:
 
     Empty where all meshes have the order 1 and the speed is not known: each order is a multiple of the fundamental then.
     """
+    named: dict[float, str] = {}
+    for order, name in _all_names(train):
+        named.setdefault(order, name)
+    return named
+
+
+def _all_names(train: Description) -> list[tuple[float, str]]:
+    """Orders and their names; of several names of an order that of a body first, then multiples of a mesh, then the simplest."""
     meshes: dict[int, str] = {}
     for number, order in enumerate(map(int, train._outline["order"][:len(train.meshes)]), 1):
         meshes[order] = f"{meshes[order]}, {number}" if order in meshes else f"mesh {number}"
     if meshes.keys() == {1} and not train._outline["speed"]:
-        return {}
-    known = [(times, times * base, _times(times, name)) for base, name in meshes.items() for times in range(1, _MULTIPLES + 1)]
+        return []
+    known = [(0, times * base, _times(times, name)) for base, name in meshes.items() for times in range(1, _MULTIPLES + 1)]
     known += _sums(meshes, _SUMS)
     for number, gear, mesh, turn in gears_with_errors(train):
         for times, far, side in product(range(1, _MULTIPLES + 1), range(1, _SIDEBANDS + 1), (1, -1)):
             name = f"{times} x mesh {number} {'+' if side > 0 else '-'} {far} x {gear}"
             known.append((times + far + 1, times * mesh + side * far * turn, name))
-    # Of two names of an order the simpler one comes last, and stays.
-    named = {float(order): name for _, order, name in sorted(known, reverse=True) if order > 0}
     numbers = train.explain()
     bodies: dict[float, str] = {}
     for body in train.body_labels:
         turns = numbers["train"].get("speed_ratio", 0.0) * numbers.get(body, {}).get("turns", 0.0)
         if turns and turns not in meshes:
             bodies[turns] = f"{bodies[turns]}, {body}" if turns in bodies else body
-    return {**named, **bodies}
+    return [*bodies.items(), *((float(order), name) for _, order, name in sorted(known) if order > 0)]
 
 
 def _sums(meshes: dict[int, str], most: int) -> list[tuple[int, int, str]]:
@@ -105,7 +111,8 @@ def orders_of(train: Description | None, orders: Iterable[float | str] | None) -
     if orders is None:
         meshes = [] if train is None else list(map(float, train._outline["order"]))
         return {order: names.get(order, f"{order:.4g}") for order in sorted({*meshes, *(2 * order for order in meshes)})}
-    known = {single: order for order, name in names.items() for single in _singly(name)}
+    known = {single: order for order, name in (_all_names(train) if train is not None else ()) for single in _singly(name)}
+    known = {**{name.removeprefix("1 x "): order for name, order in known.items()}, **known}
     found = {}
     for order in orders:
         if isinstance(order, str) and order not in known:

@@ -158,10 +158,11 @@ class RunUp(Table, Recording):
         Parameters
         ----------
         orders : iterable of float or str, optional
-            As in `waterfall`.
+            As in `waterfall`: names, or multiples of the fundamental, which need not be those of a shaft.
         what : {'mesh_force', 'shaft_torque', 'displacement'}
         cycles : float, optional
-            Cycles of the fundamental in a window; unless told as many as separate the orders.
+            Cycles of the fundamental in a window. Default: as many as separate the orders from one another and from multiples of
+            mesh orders and sidebands beside them, at most a quarter of the ramp; a warning says where that is not enough.
 
         Returns
         -------

@@ -14,7 +14,7 @@ module geartrain_report_explain
    use geartrain_report_drawing_warnings, only: find_warnings
    use geartrain_report_explain_bearing, only: explain_line
    use geartrain_report_explain_coupling, only: explain_coupling
-   use geartrain_report_explain_errors, only: explain_errors, explain_teeth
+   use geartrain_report_explain_errors, only: explain_errors, explain_series, explain_teeth
    use geartrain_report_explain_damping, only: damping_explanation_type
    use geartrain_report_explain_planetary, only: explain_set
    use geartrain_train_bodies, only: find_ends
@@ -282,12 +282,15 @@ contains
                &circle'), angle)
             list = g%virtual_teeth
             call carry(fields, field_type('virtual_teeth', 'gear', '1', 'z/(cos(beta_b)^2 cos(beta)), ISO 6336-1'), list)
-            call carry(fields, field_type('contact_ratio', '', '1', 'transverse, path of contact over p_et, ISO 21771'), &
-                       g%contact_ratio)
+            words = 'transverse, path of contact over p_et, ISO 21771'
+            if (mesh%contact_ratio > 0) then
+               words = 'as given; the drawing has '//short(g%contact_ratio)
+               g%contact_ratio = mesh%contact_ratio
+            end if
+            call carry(fields, field_type('contact_ratio', '', '1', words), g%contact_ratio)
             call carry(fields, field_type('overlap_ratio', '', '1', 'b sin(beta)/(pi m_n), ISO 21771'), g%overlap_ratio)
          end if
          if (has_stiffness(mesh)) then
-            if (mesh%contact_ratio > 0) geometry%contact_ratio = mesh%contact_ratio
             line_load = abs(force)*cos(g%transverse_angle)/mesh%face_width
             call find_stiffness(pair_of(mesh), geometry, line_load, stiffness)
             call carry(fields, field_type('line_load', '', 'N/m', 'tangential force at the reference circle by the mean torque &
@@ -313,10 +316,7 @@ contains
             if (g%overlap_ratio > 0) &
                words = words//', averaged over the face: times sin(n pi eps_beta)/(n pi eps_beta), phase of the middle of the face'
          end if
-         if (is_given(plain%stiffness_cos)) &
-            call carry(fields, field_type('stiffness_cos', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_cos)
-         if (is_given(plain%stiffness_sin)) &
-            call carry(fields, field_type('stiffness_sin', 'harmonic', '1', words), context%plain%meshes(i)%stiffness_sin)
+         call explain_series('stiffness', 'harmonic', '1', words, plain%stiffness_cos, plain%stiffness_sin, fields)
          if (has_loads(mesh)) then
             call carry(fields, field_type('stage_wall', 'stage', 'm', 'deflections at the corners: mean deflections under all but &
                                           &the last of table_loads'), plain%stage_wall)

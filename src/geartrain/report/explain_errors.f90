@@ -12,7 +12,7 @@ module geartrain_report_explain_errors
    use geartrain_train_mesh, only: is_given, mesh_type
    implicit none (type, external)
    private
-   public :: explain_errors, explain_teeth
+   public :: explain_errors, explain_series, explain_teeth
 
 contains
 
@@ -30,8 +30,7 @@ contains
       if (is_given(mesh%error_table)) words = 'of error_table'
       if (lacks_phase(mesh, plain)) words = 'as given; its phase against the stiffness is open: with another sign or with &
          &error_sin forces and loss of contact differ'
-      call add('error_cos', 'error_harmonic', words, plain%error_cos, fields)
-      call add('error_sin', 'error_harmonic', words, plain%error_sin, fields)
+      call explain_series('error', 'error_harmonic', 'm', words, plain%error_cos, plain%error_sin, fields)
       words = 'as given'
       if (is_given(mesh%gear_error(1)%pitch) .or. is_given(mesh%gear_error(2)%pitch) .or. is_given(mesh%error_table)) &
          words = 'with the means of tables and pitch errors'
@@ -47,7 +46,7 @@ contains
       type(mesh_type), intent(in) :: plain
       integer, intent(in) :: gear
       class(fields_type), intent(inout) :: fields
-      character(:), allocatable :: which
+      character(:), allocatable :: which, words
       integer :: order
 
       which = trim(gear_words(gear))
@@ -56,23 +55,41 @@ contains
          order = error%order
          call carry(fields, field_type(which//'_revolution_order', '', '1', 'revolution of the '//which//' gear, on a carrier &
             &against it, over the fundamental'), order)
-         call add(which//'_error_cos', which//'_order', 'all errors of the '//which//' gear, orders 1, 2, ... of its revolution', &
-                  error%cosine, fields)
-         call add(which//'_error_sin', which//'_order', 'all errors of the '//which//' gear, orders 1, 2, ... of its revolution', &
-                  error%sine, fields)
+         words = 'all errors of the '//which//' gear, orders 1, 2, ... of its revolution'
+         call explain_series(which//'_error', which//'_order', 'm', words, error%cosine, error%sine, fields)
       end associate
    end subroutine explain_gear
 
-   subroutine add(name, dimension, words, values, fields)
-      character(*), intent(in) :: name, dimension, words
-      real(dp), allocatable, intent(in) :: values(:)
+   !> Adds the amplitudes of a series, which have one axis: the shorter list ends with zeros.
+   subroutine explain_series(name, dimension, unit, words, cosine, sine, fields)
+      !> Name before '_cos' and '_sin', of the axis, unit and meaning.
+      character(*), intent(in) :: name, dimension, unit, words
+      !> Amplitudes, of which either may be absent.
+      real(dp), allocatable, intent(in) :: cosine(:), sine(:)
+      !> Gets the fields.
       class(fields_type), intent(inout) :: fields
-      real(dp), allocatable :: list(:)
+      integer :: orders
 
-      if (.not. is_given(values)) return
-      list = values
-      call carry(fields, field_type(name, dimension, 'm', words), list)
-   end subroutine add
+      orders = 0
+      if (is_given(cosine)) orders = size(cosine)
+      if (is_given(sine)) orders = max(orders, size(sine))
+      call add('_cos', cosine)
+      call add('_sin', sine)
+
+   contains
+
+      subroutine add(ending, values)
+         character(*), intent(in) :: ending
+         real(dp), allocatable, intent(in) :: values(:)
+         real(dp), allocatable :: list(:)
+
+         if (.not. is_given(values)) return
+         allocate (list(orders), source=0.0_dp)
+         list(:size(values)) = values
+         call carry(fields, field_type(name//ending, dimension, unit, words), list)
+      end subroutine add
+
+   end subroutine explain_series
 
    !> Adds how the teeth of a pair meet.
    subroutine explain_teeth(mesh, fields)

@@ -20,6 +20,8 @@ module geartrain_report_sources
 
    !> Largest sum of the multiples of two mesh frequencies that name an order.
    integer, parameter :: most_times = 5
+   !> Largest multiple of a mesh frequency that is named beside an error of a gear of the same order.
+   integer, parameter :: most_multiple = 8
 
    type :: sources_type
       private
@@ -82,8 +84,8 @@ contains
       sources%bodies = body_labels(train)
    end subroutine find_sources
 
-   !> What excites at an order: 'mesh 1', '2 x meshes 1, 2', '2 x revolution of engine'. Where nothing has this order itself, the
-   !> meshes whose tooth frequency is a divisor of it, as '2 x mesh 1 (by its nonlinearity)'.
+   !> What excites at an order: 'mesh 1', '2 x meshes 1, 2', '2 x revolution of engine'. Where nothing, or only some error of a
+   !> gear, has this order itself, the meshes whose tooth frequency is a divisor of it, as '2 x mesh 1 (by its nonlinearity)'.
    subroutine name(self, order, words)
       class(sources_type), intent(in) :: self
       !> Order of the fundamental, of a motion of a longer period a fraction [1].
@@ -91,17 +93,19 @@ contains
       !> The words.
       character(:), allocatable, intent(out) :: words
       logical :: is_there(size(self%mesh_order))
+      character(:), allocatable :: gears
       integer :: whole, multiple, j, pass
 
       whole = nint(order)
       words = ''
+      gears = ''
       if (abs(order - whole) > 1e-9_dp*order) then
          words = 'subharmonic'
          return
       end if
       do pass = 1, 2
-         if (pass == 2 .and. words /= '') return
-         do multiple = 1, whole
+         if (pass == 2 .and. words /= '') exit
+         do multiple = 1, merge(whole, min(whole, most_multiple), gears == '')
             if (mod(whole, multiple) /= 0) cycle
             do j = 1, size(is_there)
                is_there(j) = self%mesh_order(j)*multiple == whole
@@ -111,13 +115,23 @@ contains
             if (any(is_there)) call add_meshes(multiple, is_there, words)
          end do
          if (pass == 1) call add_torques(self, whole, words)
-         if (pass == 1) call add_gears(self, whole, words)
+         if (pass == 1) call add_gears(self, whole, gears)
          if (pass == 2 .and. words /= '') words = words//' (by its nonlinearity)'
       end do
+      call join(words, gears)
       if (words == '') call find_combination(self, whole, words)
       if (words == '') call find_sideband(self, whole, words)
       if (words == '') words = 'no single source'
    end subroutine name
+
+   !> Adds to a list of words.
+   pure subroutine join(words, more)
+      character(:), allocatable, intent(inout) :: words
+      character(*), intent(in) :: more
+
+      if (words /= '' .and. more /= '') words = words//'; '
+      words = words//more
+   end subroutine join
 
    !> Adds meshes at one multiple of their tooth frequencies.
    subroutine add_meshes(multiple, is_there, words)
@@ -127,9 +141,8 @@ contains
       character(:), allocatable :: list
 
       call list_numbers(is_there, 'mesh', 'meshes', list)
-      if (words /= '') words = words//'; '
-      if (multiple > 1) words = words//text(multiple)//' x '
-      words = words//list
+      if (multiple > 1) list = text(multiple)//' x '//list
+      call join(words, list)
    end subroutine add_meshes
 
    !> Adds the torques on bodies.
@@ -167,9 +180,7 @@ contains
          do gear = 1, 2
             if (.not. excites(self%gear_error(gear, j), order)) cycle
             call turns_of(self, gear, j, order, one)
-            if (index('; '//words//';', '; '//one//';') > 0) cycle
-            if (words /= '') words = words//'; '
-            words = words//one
+            if (index('; '//words//';', '; '//one//';') == 0) call join(words, one)
          end do
       end do
    end subroutine add_gears
