@@ -53,7 +53,7 @@ def rigid_threshold(train: gt.Train, speed: float) -> dict[str, float]:
     """Compute for each loose wheel the amplitude [N m] at which its inertia torque is its drag, all teeth rigid and in contact."""
     told = train.explain()
     inertia = {body.name: float(told[body.name]["inertia"]) for body in train.bodies}
-    turns = {body.name: float(told[body.name]["turns"]) for body in train.bodies}
+    turns = {body.name: abs(float(told[body.name]["turns"])) for body in train.bodies}
     loose = {body.name: -body.torque for body in train.bodies if body.name.startswith("loose")}
     # Engine, gearbox, car; all angles are those of the input.
     gearbox = sum(inertia[name] * turns[name] ** 2 for name in ("input", "output", *loose))

@@ -92,7 +92,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "sun_error_sin": Variable("sun_error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
         "ring_error_cos": Variable("ring_error_cos", "reals", "Series", None, False, "Cosine amplitudes, harmonics 1, 2, ..., of the transmission error of the ring meshes; [m]"),
         "ring_error_sin": Variable("ring_error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
-        "ring_phase": Variable("ring_phase", "real", "float", 0.0, False, "Lag of kappa and transmission error of each ring mesh behind those of the sun mesh of its planet, in the mesh cycle; default: from tooth thickness and tips of the drawing, for kappa as contact_ratio gives it; [rad]"),
+        "ring_phase": Variable("ring_phase", "real", "float", 0.0, False, "Lag of kappa and transmission error of each ring mesh behind those of the sun mesh of its planet, in the mesh cycle; default: from tooth thickness and tips of the drawing, for kappa as contact_ratio gives it; [rad]; -6.2832 to 6.2832"),
         "order": Variable("order", "integer", "int", 0, False, "Mesh frequency over the fundamental frequency, as of a mesh; 1 to 1.0e6, or 0"),
     },
     "shaft": {

@@ -131,7 +131,7 @@ class Chain:
         numbers = train.explain()
         bodies = [body.name for body in train.bodies]
         self.inertia = np.array([numbers[name]["inertia"] for name in bodies])
-        turns = np.array([numbers[name]["turns"] for name in bodies])
+        turns = np.abs([numbers[name]["turns"] for name in bodies])
         self.meshes = [numbers[f"mesh {place}"] for place in range(1, len(train.meshes) + 1)]
         self.places = np.arange(1, len(bodies) - 1, 2)
         shafts = [numbers[f"shaft {place}"] for place in range(1, len(train.shafts) + 1)]

@@ -226,7 +226,8 @@ def two_stages_with_an_error(gear):
         characteristic_frequency=1e3, shafts=[gt.Shaft(between=("b", "c"), stiffness=2e5, damping_ratio=0.02)],
         bodies=[gt.Body(name="a", inertia=0.002, torque=50.0), gt.Body(name="b", inertia=0.01), gt.Body(name="c", inertia=0.003),
                 gt.Body(name="d", inertia=0.05, balances=True)],
-        meshes=[gt.Mesh(between=("a", "b"), teeth=[20, 30], **error, **common), gt.Mesh(between=("c", "d"), teeth=[17, 41], **common)])
+        meshes=[gt.Mesh(between=("a", "b"), teeth=[20, 30], **error, **common),
+                gt.Mesh(between=("c", "d"), teeth=[17, 41], **common)])
 
 
 def test_orders_that_errors_do_not_cause():
@@ -256,7 +257,8 @@ def test_causes_of_peaks_that_have_two(executable, tmp_path):
 
 def test_explained_series_are_whole():
     """Runout gives a cosine of order 1 alone; sines go on."""
-    told = pair(driven_runout=10e-6, driven_error_sin=[0.0, 2e-6], stiffness_sin=[0.0, 0.1], stiffness_cos=[0.2]).explain()["mesh 1"]
+    one = pair(driven_runout=10e-6, driven_error_sin=[0.0, 2e-6], stiffness_sin=[0.0, 0.1], stiffness_cos=[0.2])
+    told = one.explain()["mesh 1"]
     assert told["driven_error_cos"].tolist() == pytest.approx([10e-6, 0.0]) and told["driven_error_sin"].tolist() == [0.0, 2e-6]
     assert told["stiffness_cos"].tolist() == [0.2, 0.0] and told["stiffness_sin"].tolist() == [0.0, 0.1]
     drawn = gt.read_case(ROOT / "namelists" / "reducer.nml").train

@@ -275,6 +275,70 @@ def test_sets_that_do_not_turn_by_what_is_given(executable, tmp_path, old, new, 
     assert said in run(executable, "--check", "case.nml", cwd=tmp_path).stderr
 
 
+def stage(planets=3, **more):
+    """A set in sequence: 31 teeth of the sun are no multiple of 3."""
+    given = {"teeth": [31, 20, 71], "planets": planets, "normal_module": 1.5e-3, "face_width": 0.02, "damping_ratio": 0.05, **more}
+    return gt.Planetary(name="set", sun="sun", ring="ring", carrier="arm", **given)
+
+
+@pytest.mark.parametrize(("more", "said"), [
+    ({"backlash": 60e-6}, ""),
+    ({"planet_errors": [0.0, 150e-6, 0.0]}, "the teeth of this planet of set pull at rest"),
+    ({"planet_errors": [0.0, 5e-6, 0.0], "backlash": 60e-6}, ""),
+    ({"planet_errors": [0.0, 1e-3, 0.0], "backlash": 60e-6}, "error_mean = 0.001: more than the backlash and a tenth"),
+])
+def test_errors_of_planets_that_are_hardly_meant(more, said):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        gt.Train(bodies=BODIES, planetaries=[stage(**more)])
+    found = [str(one.message) for one in caught]
+    assert any(said in words for words in found) if said else not any("pull" in words or "error_mean" in words for words in found)
+
+
+def test_phases_in_degrees():
+    """Whole numbers beyond a turn are degrees; multiples of pi are not, nor is a ring more than a cycle behind its sun."""
+    pair = gt.Mesh(between=("a", "b"), teeth=(20, 30), normal_module=2e-3, stiffness=1e8)
+    bodies = [gt.Body(name="a", inertia=1e-3, torque=1.0), gt.Body(name="b", inertia=1e-3, balances=True)]
+    for phase, warned in ((120.0, True), (7 * np.pi, False), (2.0, False)):
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            gt.Train(bodies=bodies, meshes=[replace(pair, phase=phase)])
+        assert any("unit is the radian" in str(one.message) for one in caught) == warned
+    with pytest.raises(gt.InputError, match=r"ring_phase = 180.0: must be >= -6.2832 and <= 6.2832 rad"):
+        gt.Train(bodies=BODIES, planetaries=[stage(ring_phase=180.0)])
+
+
+def test_resonances_of_planets_in_sequence():
+    """Harmonics 1 and 2 of the mesh load planets only: they raise no torsional mode, as the response shows, harmonic 3 does."""
+    train = gt.Train(bodies=BODIES, planetaries=[stage(backlash=60e-6, sun_error_cos=[1e-6, 1e-6, 1e-6], ring_error_cos=[1e-6])])
+    modes = train.modes()
+    speeds = 2 * np.array([modes.natural_frequency.min() / 3, modes.natural_frequency.max()])
+    crossings = train.campbell(start=speeds[0] / 4, stop=speeds[1]).crossings
+    kinds = {(str(modes.kind[one.mode - 1]).split()[0], one.order.order): one.over_mean for one in crossings}
+    assert {kind for kind, _ in kinds} == {"torsional", "planets"}
+    for (kind, order), height in kinds.items():
+        assert (height > 1e-3) == ((kind == "torsional") == (order % 3 == 0)), (kind, order, height)
+
+
+def test_modes_of_two_equal_sets():
+    """Four modes of planets have one frequency, and are any mixture of both sets."""
+    bodies = [gt.Body(name="in", inertia=0.02, torque=100.0), gt.Body(name="sun", inertia=0.004), gt.Body(name="out", inertia=0.03),
+              gt.Body(name="arm", held=True), gt.Body(name="car", inertia=8.0, balances=True)]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        sets = [replace(stage(backlash=60e-6), name=name, sun="sun", ring=ring, carrier=carrier)
+                for name, ring, carrier in (("front", "in", "out"), ("rear", "out", "arm"))]
+        train = gt.Train(bodies=bodies, planetaries=sets, shafts=[gt.Shaft(between=("out", "car"), stiffness=2e4)])
+    modes = train.modes()
+    names = list(modes.body)
+    for kind, turning in zip(modes.kind, modes.rotation, strict=True):
+        planets = {name: turning[[place for place, body in enumerate(names) if body.startswith(f"{name} planet")]]
+                   for name in ("front", "rear")}
+        moving = [name for name, own in planets.items() if np.ptp(own) > 1e-6]
+        assert str(kind) == (f"planets of {', '.join(moving)}" if moving else "torsional")
+    assert sum(str(kind).startswith("planets of") for kind in modes.kind) == 4
+
+
 def test_all_speeds_equal_by_a_ratio(executable, tmp_path):
     case = (ROOT / "namelists" / "hybrid.nml").read_text(encoding="utf-8").replace("speed_ratio = 2.0", "speed_ratio = 1.0")
     (tmp_path / "case.nml").write_text(case)

@@ -145,6 +145,7 @@ def draw_schematic(
         ax.add_patch(Circle(tuple(places[body]), sizes[body], facecolor=color, edgecolor="black", linewidth=1.2, zorder=3,
                             linestyle="-" if gear else (0, (4, 1.5))))
         told = numbers.get(name, {}).get("turns")
+        told = None if told is None else abs(told)
         turns = "" if told is None else "\n1 turn" if told == 1 else f"\n{told:.4g} turns"
         rate = f"\n{told * speed:.4g} rpm" if told is not None and speed is not None else turns
         if body in bearings:

@@ -162,7 +162,7 @@ def _dynamic_factors(made: Document, branch: Any, train: Description) -> None:
 def _turns(train: Description, numbers: Mapping[str, Any], place: int) -> float:
     """Turns of the driving gear per turn of the body whose speed is told."""
     ends = train.meshes[place].between
-    return float(numbers.get(ends[0], {}).get("turns", 0.0)) if ends else 0.0
+    return abs(float(numbers.get(ends[0], {}).get("turns", 0.0))) if ends else 0.0
 
 
 def _pair(train: Description, numbers: Mapping[str, Any], place: int) -> Pair | None:

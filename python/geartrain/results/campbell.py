@@ -73,7 +73,7 @@ class Crossing:
         In Hz.
     mesh_force : ndarray, (meshes,)
         Amplitude of the force of each mesh [N], linear: all teeth in contact, mean mesh stiffness, modal damping. Excitations of
-        one order add up with their most unfavourable phases.
+        one order add up with their most unfavourable phases, meshes on one carrier with their own.
     over_mean : float
         The largest of these amplitudes over the mean force of its mesh. Teeth separate from 1 on.
     rank : int

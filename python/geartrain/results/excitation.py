@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 #: Amplitudes below this are the rounding of zero. Least damping ratio for which a resonance has a height.
 _LEAST, _LEAST_DAMPING = 1e-12, 1e-6
+#: What remains of forces that cancel [of their sum].
+_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -37,12 +39,15 @@ class Excitation:
     amplitude : float
         Force [N] with which the mesh, or torque [N m] with which the body is excited: of a mesh its mean stiffness times the
         amplitude of the transmission error, plus its mean force times the relative amplitude of the stiffness.
+    parts : tuple of complex
+        Of a mesh both of these with their phases.
     """
 
     order: int
     name: str
     element: str
     amplitude: float
+    parts: tuple[complex, ...] = ()
 
 
 def excitations(train: Description) -> Iterator[Excitation]:
@@ -50,17 +55,18 @@ def excitations(train: Description) -> Iterator[Excitation]:
     numbers = train.explain()
     for number in range(1, len(train.meshes) + 1):
         about = numbers[f"mesh {number}"]
-        stiffness = _amplitudes(about.get("stiffness_cos"), about.get("stiffness_sin"))
-        error = _amplitudes(about.get("error_cos"), about.get("error_sin"))
+        stiffness = _series(about.get("stiffness_cos"), about.get("stiffness_sin"))
+        error = _series(about.get("error_cos"), about.get("error_sin"))
         harmonics = max(len(stiffness), len(error))
         stiffness, error = (np.pad(values, (0, harmonics - len(values))) for values in (stiffness, error))
-        force = about["stiffness"] * error + abs(about.get("mean_force", 0.0)) * stiffness
-        yield from _harmonics(f"mesh {number}", f"mesh {number}", about["order"], force, np.maximum(stiffness, error))
+        parts = np.array([about["stiffness"] * error, about.get("mean_force", 0.0) * stiffness])
+        yield from _harmonics(f"mesh {number}", f"mesh {number}", about["order"], np.abs(parts).sum(axis=0),
+                              np.maximum(np.abs(stiffness), np.abs(error)), parts)
         for place, which in enumerate(("driving", "driven")):
-            error = _amplitudes(about.get(f"{which}_error_cos"), about.get(f"{which}_error_sin"))
+            own = _amplitudes(about.get(f"{which}_error_cos"), about.get(f"{which}_error_sin"))
             gear = f"revolution of {gear_names(train, number)[place]}"
             order = about.get(f"{which}_revolution_order", 1)
-            yield from _harmonics(gear, f"mesh {number}", order, about["stiffness"] * error, error)
+            yield from _harmonics(gear, f"mesh {number}", order, about["stiffness"] * own, own)
     for body in train.bodies:
         name = str(body.name)
         torque = _amplitudes(body.torque_cos, body.torque_sin)
@@ -94,19 +100,27 @@ def _of_table(name: str, turn: int, body: Any) -> Iterator[Excitation]:
             yield Excitation(int(harmonic * turn // revolutions), f"{words}revolution of {name}", name, float(torque[harmonic]))
 
 
-def _amplitudes(cosine: Any, sine: Any) -> Array:
-    """Amplitudes of the harmonics of a series."""
+def _series(cosine: Any, sine: Any) -> NDArray[np.complex128]:
+    """Complex amplitudes of the harmonics of a series."""
     series = [np.atleast_1d(np.asarray([] if part is None else part, float)) for part in (cosine, sine)]
     longest = max(map(len, series))
-    found: Array = np.hypot(*(np.pad(part, (0, longest - len(part))) for part in series))
+    real, imaginary = (np.pad(part, (0, longest - len(part))) for part in series)
+    found: NDArray[np.complex128] = real - 1j * imaginary
     return found
 
 
-def _harmonics(name: str, element: str, base: int, amplitude: Array, counts: Array) -> Iterator[Excitation]:
-    for harmonic, (value, size) in enumerate(zip(amplitude, counts), 1):
+def _amplitudes(cosine: Any, sine: Any) -> Array:
+    return np.abs(_series(cosine, sine))
+
+
+def _harmonics(
+    name: str, element: str, base: int, amplitude: Array, counts: Array, parts: NDArray[np.complex128] | None = None
+) -> Iterator[Excitation]:
+    for place, (value, size) in enumerate(zip(amplitude, counts)):
         if size > _LEAST:
-            words = name if harmonic == 1 else f"{harmonic} x {name}"
-            yield Excitation(harmonic * int(base), words, element, float(value))
+            words = name if place == 0 else f"{place + 1} x {name}"
+            own = () if parts is None else tuple(parts[:, place].tolist())
+            yield Excitation((place + 1) * int(base), words, element, float(value), own)
 
 
 class Resonances:
@@ -119,6 +133,7 @@ class Resonances:
 
     def __init__(self, train: Description, modes: Modes) -> None:
         numbers, bodies = train.explain(), train.body_labels
+        self._carrier = {f"mesh {number}": mesh.carrier for number, mesh in enumerate(train.meshes, 1) if mesh.carrier}
         self._damping = modes.damping_ratio
         self._energy = np.zeros(len(modes.damping_ratio))
         #: Displacement of each mesh and rotation of each body in the modes, by name.
@@ -141,9 +156,23 @@ class Resonances:
         self._mean = np.where(np.array(mean) > 0, mean, max(mean, default=0.0) or 1.0)
 
     def forces(self, mode: int, causes: list[Excitation]) -> Array:
-        """Amplitudes [N] of the meshes where a mode, from 1, resonates; excitations add up with the most unfavourable phases."""
+        """Amplitudes [N] of the meshes where a mode, from 1, resonates.
+
+        Excitations add up with the most unfavourable phases, but meshes on one carrier with their own, which the teeth give: what
+        planets in sequence do to the torsion of a set cancels.
+        """
         row = mode - 1
-        work = sum(abs(self._shape[cause.element][row]) * cause.amplitude for cause in causes)
+        work, sets = 0.0, dict[tuple[str, int], list[complex]]()
+        for cause in causes:
+            shape, carrier = float(self._shape[cause.element][row]), self._carrier.get(cause.element)
+            if carrier is None or not cause.parts:
+                work += abs(shape) * cause.amplitude
+            else:
+                for place, part in enumerate(cause.parts):
+                    sets.setdefault((carrier, place), []).append(shape * part)
+        for own in sets.values():
+            together = abs(sum(own))
+            work += together if together > _ROUNDING * sum(map(abs, own)) else 0.0
         found: Array = self._force[:, row] * work / (2 * max(self._damping[row], _LEAST_DAMPING) * (self._energy[row] or 1.0))
         return found
 

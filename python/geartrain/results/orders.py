@@ -44,7 +44,7 @@ def _all_names(train: Description) -> list[tuple[float, str]]:
     numbers = train.explain()
     bodies: dict[float, str] = {}
     for body in train.body_labels:
-        turns = numbers["train"].get("speed_ratio", 0.0) * numbers.get(body, {}).get("turns", 0.0)
+        turns = numbers["train"].get("speed_ratio", 0.0) * abs(numbers.get(body, {}).get("turns", 0.0))
         if turns and turns not in meshes:
             bodies[turns] = f"{bodies[turns]}, {body}" if turns in bodies else body
     return [*bodies.items(), *((float(order), name) for _, order, name in sorted(known) if order > 0)]

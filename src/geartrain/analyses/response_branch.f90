@@ -20,7 +20,7 @@ module geartrain_analyses_response_branch
    use geartrain_trace_branch, only: branch_type, coefficients_of, response_settings_type
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_first_harmonics, only: adapt_first
-   use geartrain_trace_first_motion, only: find_start
+   use geartrain_trace_first_motion, only: find_start, flies_over_periods
    use geartrain_trace_interruption, only: drop_step
    use geartrain_trace_large_amplitude, only: followed_out, trace_through
    use geartrain_trace_points, only: drop_first, is_same_point
@@ -185,9 +185,13 @@ contains
                reason = reason//': that on which time integration settles has more harmonics than a response takes, as where teeth &
                         &rattle without a load; follow it by &integration'
                if (tracer%settings%harmonics > 0) reason = reason//', or take harmonics = 0'
-            else
+            else if (flies_over_periods(tracer)) then
                reason = reason//', neither from rest, by integration, nor by branches from other frequencies or from &
                         &a smaller stiffness variation'
+            else
+               reason = reason//', neither from rest, in a part of the long period by integration, nor by branches from other &
+                        &frequencies or from a smaller stiffness variation: &integration flies on for longer, and may find one, as &
+                        &where teeth rattle without a load'
             end if
             reason = reason//note_of(can_float(tracer%system))
             return

@@ -105,7 +105,8 @@ contains
       type(modes_type), intent(inout) :: modes
       type(train_type) :: plain
       type(planetary_set_type), allocatable :: sets(:)
-      logical :: alike
+      character(:), allocatable :: names
+      logical :: mixed
       integer :: i, j
 
       call plain_train(train, plain)
@@ -114,19 +115,25 @@ contains
       if (size(sets) == 0) return
       allocate (modes%kind(size(modes%natural_frequency)))
       do i = 1, size(modes%kind)
-         modes%kind(i) = 'mixed'
-         alike = .true.
+         names = ''
+         mixed = .false.
          do j = 1, size(sets)
             associate (planets => modes%rotation(sets(j)%planets, i), &
                        members => pack([sets(j)%sun, sets(j)%ring, sets(j)%carrier], &
                                        [sets(j)%sun, sets(j)%ring, sets(j)%carrier] > 0))
                if (maxval(planets) - minval(planets) <= still) cycle
-               alike = .false.
-               if (maxval(abs(modes%rotation(members, i))) <= still .and. abs(sum(planets)) <= still*size(planets)) &
-                  modes%kind(i) = 'planets of '//sets(j)%name
+               mixed = mixed .or. maxval(abs(modes%rotation(members, i))) > still .or. abs(sum(planets)) > still*size(planets)
+               names = names//', '//trim(sets(j)%name)
             end associate
          end do
-         if (alike) modes%kind(i) = 'torsional'
+         if (mixed) then
+            modes%kind(i) = 'mixed'
+         else if (names == '') then
+            modes%kind(i) = 'torsional'
+         else
+            ! Of several equal sets the modes of one frequency are any mixture.
+            modes%kind(i) = 'planets of '//names(3:)
+         end if
       end do
    end subroutine find_kinds
 

@@ -80,6 +80,7 @@ contains
          if (has_sections(train%shafts(i))) call warn_of_shaft(train%shafts(i), i, warnings)
       end do
       call plain_train(train, plain)
+      call warn_of_degrees(train, warnings)
       call warn_of_negative_stiffness(plain, warnings)
       slips = size(warnings) > 0
       call warn_of_joined_inertias(train, plain, warnings)
@@ -89,6 +90,29 @@ contains
       call warn_of_phases(train, plain, warnings)
       if (all_toothed(train)) call warn_of_nearby_orders(train, warnings)
    end subroutine find_warnings
+
+   !> Warns of phases that are whole numbers of degrees.
+   subroutine warn_of_degrees(train, warnings)
+      type(train_type), intent(in) :: train
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      integer :: i
+
+      do i = 1, size(train%meshes)
+         call warn('phase', train%meshes(i)%phase)
+         call warn('back_phase', train%meshes(i)%back_phase)
+      end do
+
+   contains
+
+      subroutine warn(name, phase)
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: phase
+
+         if (abs(phase) > 2*pi .and. abs(phase - anint(phase)) <= 0) call add_warning(warnings, 'mesh', i, name//' = '// &
+            real_text(phase)//': the unit is the radian of the mesh cycle (180 degrees are 3.14159)')
+      end subroutine warn
+
+   end subroutine warn_of_degrees
 
    !> Warns where the mesh frequencies are not quite those of the teeth.
    subroutine warn_of_nearby_orders(train, warnings)
@@ -264,6 +288,7 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
       type(pair_geometry_type) :: geometry
       type(pair_stiffness_type) :: stiffness
+      real(dp), allocatable :: mean(:)
       real(dp) :: gap
       integer :: gear
 
@@ -300,6 +325,8 @@ contains
                   'by ISO 6336-1 the teeth as drawn have '//short(drawn)//'; N/m are meant (600 N/um are 600e6)')
             end associate
          end if
+         mean = [mesh%error_mean]
+         call warn_of_error('error_mean', mean)
          call warn_of_error('error_cos', mesh%error_cos)
          call warn_of_error('error_sin', mesh%error_sin)
          call warn_of_error('error_table', mesh%error_table)

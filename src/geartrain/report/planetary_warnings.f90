@@ -134,7 +134,31 @@ contains
       if (.not. agreed) call add_warning(warnings, 'train', 0, 'the mesh stiffnesses of light loads and the loads that follow from &
          &them do not agree: they are those of the last of 200 passes, and load shares are uncertain; give stiffness [N/m]')
       call warn_of_coast_flanks(train, plain, system, warnings)
+      call warn_of_pulling_planets(plain, system, warnings)
    end subroutine warn_of_planets
+
+   !> Warns of planets whose teeth pull at rest, as they have no backlash in which they would be unloaded.
+   subroutine warn_of_pulling_planets(plain, system, warnings)
+      type(train_type), intent(in) :: plain
+      type(system_type), intent(in) :: system
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(planetary_set_type), allocatable :: sets(:)
+      integer, allocatable :: meshes(:)
+      integer :: i, k
+
+      call find_sets(plain, sets)
+      do i = 1, size(sets)
+         meshes = sets(i)%ring_meshes
+         if (sets(i)%sun > 0) meshes = sets(i)%sun_meshes
+         if (any(plain%meshes(meshes)%half_backlash > 0)) cycle
+         associate (force => system%static_force(system%mesh_element(meshes)))
+            if (.not. (minval(force) < 0 .and. maxval(force) > 0)) cycle
+            k = merge(minloc(force, 1), maxloc(force, 1), sum(force) > 0)
+         end associate
+         call add_warning(warnings, 'mesh', meshes(k), 'the teeth of this planet of '//trim(sets(i)%name)//' pull at rest, as they &
+            &have no backlash in which they part: load shares are not those of a set with backlash')
+      end do
+   end subroutine warn_of_pulling_planets
 
    !> Warns of planetary sets whose drawing has the phases of the flanks that do not bear.
    subroutine warn_of_coast_flanks(train, plain, system, warnings)

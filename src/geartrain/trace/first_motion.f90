@@ -25,7 +25,7 @@ module geartrain_trace_first_motion
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: find_start
+   public :: find_start, flies_over_periods
 
    !> Largest number of harmonics that an exact motion is solved with, over the number asked for.
    integer, parameter :: most_times = 8
@@ -95,7 +95,7 @@ contains
       call tracer%corrector%solve_at(solution, success)
       if (success) return
       cycles = highest_order(tracer%system)/tracer%settings%repeats
-      flies = .not. (tracer%corrector%balance%has_long_period() .or. tracer%chooses_sets .and. cycles > longest_period)
+      flies = flies_over_periods(tracer)
       integration%max_periods = max(1, min(most_periods(tracer%system, 0), nint(most_cycles/cycles)))
       if (tracer%chooses_sets) then
          call solve_in_window(tracer, frequency_ratio, solution, success, stopped, observer)
@@ -154,6 +154,16 @@ contains
          end associate
       end subroutine solve_where_flow_settles
    end subroutine find_start
+
+   !> Whether motions are looked for in flights over whole periods, which are not too long.
+   logical function flies_over_periods(tracer)
+      !> From begin_trace.
+      type(tracer_type), intent(in) :: tracer
+
+      flies_over_periods = .not. tracer%corrector%balance%has_long_period()
+      if (tracer%chooses_sets) flies_over_periods = flies_over_periods .and. &
+                                                    highest_order(tracer%system)/tracer%settings%repeats <= longest_period
+   end function flies_over_periods
 
    !> Slowest decay of the lowest modes of a large train, all meshes on the drive flank [1]; huge: the train is small, or they are
    !> not known.

@@ -136,7 +136,7 @@ contains
       call on_series('ring_error', 'm', 'the transmission error of the ring meshes', set%ring_error_cos, set%ring_error_sin)
       call v%on_real(row('ring_phase', 'rad', 'lag of kappa and transmission error of each ring mesh behind those of the sun &
                          &mesh of its planet, in the mesh cycle; default: from tooth thickness and tips of the drawing, for kappa &
-                         &as contact_ratio gives it'), set%ring_phase, set%ring_phase_given)
+                         &as contact_ratio gives it', least=-6.2832_dp, most=6.2832_dp), set%ring_phase, set%ring_phase_given)
       call v%on_integer(row('order', '', 'mesh frequency over the fundamental frequency, as of a mesh', least=one, &
                             most=most_order*one, automatic=zero), set%order)
 
