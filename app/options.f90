@@ -27,7 +27,7 @@ module options
       option_type('--explain', '--explain CASE.nml ...', 'print every number of the train with its formula and standard'), &
       option_type('--audit', '--audit CASE.nml ...', &
                   'check points of its branches, and all special points, by shooting'), &
-      option_type('--template', '--template > CASE.nml', 'a complete case, every variable explained'), &
+      option_type('--template', '--template > CASE.nml', 'a complete chain of gear pairs, its variables explained'), &
       option_type('--reference', '--reference', 'the tables of input variables, as Markdown'), &
       option_type('--output-reference', '--output-reference', &
                   'the tables of what a results file holds, as Markdown'), &

@@ -295,6 +295,24 @@ def test_errors_of_planets_that_are_hardly_meant(more, said):
     assert any(said in words for words in found) if said else not any("pull" in words or "error_mean" in words for words in found)
 
 
+@pytest.mark.parametrize(("ring", "module", "inertia", "said"), [
+    (71, 1.5e-3, 1e-5, ""),
+    (73, 1.5e-3, 1e-5, "the drawing of p0 - ring has the axes 0.03975 m apart, and the drawing of sun - p0 0.03825 m"),
+    (71, 2.0e-3, 1e-5, "a planet is at one distance from the axis of its carrier"),
+    (71, 1.5e-3, 0.1, "inertia = 0.1 of 'p0': planets that are full discs of steel, as wide as their teeth, have 1.249"),
+])
+def test_planets_by_hand_that_do_not_fit(ring, module, inertia, said):
+    drawn = {"face_width": 0.02, "carrier": "arm", "backlash": 60e-6, "damping_ratio": 0.05, "stiffness_cos": [0.0]}
+    meshes = [gt.Mesh(between=("sun", f"p{n}"), teeth=(31, 20), normal_module=1.5e-3, **drawn) for n in range(3)]
+    meshes += [gt.Mesh(between=(f"p{n}", "ring"), teeth=(20, ring), normal_module=module, internal=True, **drawn) for n in range(3)]
+    planets = [gt.Body(name=f"p{n}", inertia=inertia) for n in range(3)]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        gt.Train(bodies=[*BODIES, *planets], meshes=meshes)
+    found = [str(one.message) for one in caught if "one distance" in str(one.message) or "discs of steel" in str(one.message)]
+    assert found == [] if said == "" else found and said in found[0]
+
+
 def test_phases_in_degrees():
     """Whole numbers beyond a turn are degrees; multiples of pi are not, nor is a ring more than a cycle behind its sun."""
     pair = gt.Mesh(between=("a", "b"), teeth=(20, 30), normal_module=2e-3, stiffness=1e8)

@@ -216,6 +216,15 @@ def test_a_force_that_a_sweep_does_not_reach_says_so():
     assert "not reached" not in str(paper_train(half_backlash=0.0).response(start=0.5, stop=1.8))
 
 
+def test_the_report_of_a_branch_has_its_further_branches_beside_it():
+    """And not in place of it: the executable's report of the same case."""
+    branch = paper_train().response(start=1.6, stop=2.1, harmonics=6, period_doublings=1)
+    assert len(branch.branches) > 0
+    words = flat(str(branch))
+    assert "Response: Lambda 1.6 to 2.1" in words and "Response, stable motions: Mesh 1: largest force" in words
+    assert "Branch 1, period 2: period doubling of the response" in words and "RESONANCES" in words
+
+
 @pytest.mark.parametrize("torque", [150.0, -150.0])
 def test_the_load_may_be_on_either_flank(torque):
     """A train with symmetric teeth is its own mirror image: the same ranges, told of the other flanks."""

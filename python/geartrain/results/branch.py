@@ -170,8 +170,11 @@ class Branch(Curves):
         --------
         >>> print(branch.report().split("RESONANCES")[0])  # doctest: +SKIP
         """
-        with self._box() as box:
-            for place, branch in enumerate(self.branches, 1):
+        if self.train is None:
+            raise ValueError("this branch has no train")
+        # All are taken at once: a box whose response is taken already would lose it to the others.
+        with self.train._ask(response=self.settings) as box:
+            for place, branch in enumerate((self, *self.branches)):
                 branch._put(box, place)
             text = box.report(verbose)
         if path is not None:

@@ -12,7 +12,7 @@ module geartrain_input_new_case
       "!", &
       "!    geartrain FILE: computes for a second, prints a report, writes the results to a file .h5", &
       "!    geartrain --explain FILE: prints every number derived from the drawing, with formula and standard", &
-      "!    geartrain --template: prints every variable of a case", &
+      "!    geartrain --reference: prints every group and variable of a case", &
       "", &
       "&train", &
       "   title = 'gear reducer'                     ! title of results and pictures", &

@@ -15,7 +15,7 @@ module geartrain_report_drawing_warnings
    use geartrain_train_gear_error, only: gear_words, has_tooth_factors
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
-   use geartrain_report_planetary_warnings, only: warn_of_phases, warn_of_planets
+   use geartrain_report_planetary_warnings, only: warn_of_phases, warn_of_places, warn_of_planets
    use geartrain_train_shaft, only: shaft_type
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -88,6 +88,7 @@ contains
       ! Modes follow from the numbers: where these may be in another unit, they say nothing.
       if (.not. slips) call warn_of_damping_of_modes(train, warnings)
       call warn_of_phases(train, plain, warnings)
+      if (allocated(train%bodies)) call warn_of_places(train, plain, warnings)
       if (all_toothed(train)) call warn_of_nearby_orders(train, warnings)
    end subroutine find_warnings
 

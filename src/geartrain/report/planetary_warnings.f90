@@ -3,8 +3,9 @@ module geartrain_report_planetary_warnings
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: counted, integer_text, short => text
-   use geartrain_drawing_drawing, only: has_geometry
+   use geartrain_base_numbers, only: counted, integer_text, real_text, short => text
+   use geartrain_drawing_drawing, only: has_geometry, pair_of
+   use geartrain_drawing_gear_pair, only: find_geometry, pair_geometry_type
    use geartrain_network_system, only: system_type
    use geartrain_report_add_warning, only: add_warning
    use geartrain_train_bodies, only: find_carriers, find_ends
@@ -15,12 +16,101 @@ module geartrain_report_planetary_warnings
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: warn_of_phases, warn_of_planets
+   public :: warn_of_phases, warn_of_places, warn_of_planets
 
    !> Difference of lags that is no rounding of given decimals [cycles].
    real(dp), parameter :: least_difference = 0.01_dp
+   !> Difference of two centre distances that is no rounding [1]; inertia over that of a disc that is in another unit [1]; density
+   !> of steel [kg/m^3].
+   real(dp), parameter :: near = 2e-3_dp, heavy = 50, steel = 7850
 
 contains
+
+   !> Warns of planets that are at two distances from the axis of their carrier by the drawings of their meshes, and of planets that
+   !> are far heavier than full discs of steel.
+   subroutine warn_of_places(train, plain, warnings)
+      !> The train as given, and the plain train.
+      type(train_type), intent(in) :: train, plain
+      !> A sentence each.
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      type(planetary_set_type), allocatable :: sets(:)
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: s, t
+
+      call find_ends(plain, shaft_ends, mesh_ends)
+      call find_sets(plain, sets)
+      do s = 1, size(sets)
+         if (sets(s)%sun > 0 .and. sets(s)%ring > 0) call compare(sets(s)%sun_meshes(1), sets(s)%ring_meshes(1))
+         if (sets(s)%sun > 0) call weigh(sets(s), sets(s)%sun_meshes(1))
+         do t = s + 1, size(sets)
+            if (sets(t)%carrier == sets(s)%carrier .and. on_one_axis(sets(s)%planets(1), sets(t)%planets(1))) &
+               call compare(first_mesh(sets(s)), first_mesh(sets(t)))
+         end do
+      end do
+
+   contains
+
+      !> Whether two bodies are one, or joined by a shaft.
+      pure logical function on_one_axis(one, other)
+         integer, intent(in) :: one, other
+         integer :: i
+
+         on_one_axis = one == other .or. any([(all(shaft_ends(:, i) == [one, other] .or. shaft_ends(:, i) == [other, one]), &
+                                              i=1, size(shaft_ends, 2))])
+      end function on_one_axis
+
+      pure integer function first_mesh(set)
+         type(planetary_set_type), intent(in) :: set
+
+         if (set%sun > 0) then
+            first_mesh = set%sun_meshes(1)
+         else
+            first_mesh = set%ring_meshes(1)
+         end if
+      end function first_mesh
+
+      subroutine compare(one, other)
+         integer, intent(in) :: one, other
+         character(label_length) :: labels(size(train%meshes))
+         type(pair_geometry_type) :: geometry(2)
+
+         if (.not. (has_geometry(train%meshes(one)) .and. has_geometry(train%meshes(other)))) return
+         call find_geometry(pair_of(train%meshes(one)), geometry(1))
+         call find_geometry(pair_of(train%meshes(other)), geometry(2))
+         if (abs(geometry(1)%centre_distance - geometry(2)%centre_distance) <= near*geometry(1)%centre_distance) return
+         labels = mesh_labels(train)
+         call add_warning(warnings, 'mesh', other, 'the drawing of '//trim(labels(other))//' has the axes '// &
+                          short(geometry(2)%centre_distance)//' m apart, and the drawing of '//trim(labels(one))//' '// &
+                          short(geometry(1)%centre_distance)//' m: a planet is at one distance from the axis of its carrier')
+      end subroutine compare
+
+      !> Compares the inertia of a planet, and the mass that the carrier has of all, with discs of the pitch diameter.
+      subroutine weigh(set, mesh)
+         type(planetary_set_type), intent(in) :: set
+         integer, intent(in) :: mesh
+         type(pair_geometry_type) :: geometry
+         real(dp) :: mass, diameter
+
+         if (.not. has_geometry(train%meshes(mesh)) .or. .not. train%meshes(mesh)%face_width > 0) return
+         call find_geometry(pair_of(train%meshes(mesh)), geometry)
+         diameter = geometry%reference_diameter(findloc(mesh_ends(:, mesh), set%planets(1), 1))
+         mass = steel*train%meshes(mesh)%face_width*pi/4*diameter**2
+         call tell(set%planets(1), 'inertia', plain%bodies(set%planets(1))%inertia, mass*diameter**2/8)
+         call tell(set%carrier, 'added_inertia', train%bodies(set%carrier)%added_inertia, &
+                   size(set%planets)*mass*geometry%centre_distance**2)
+      end subroutine weigh
+
+      subroutine tell(body, name, value, disc)
+         integer, intent(in) :: body
+         character(*), intent(in) :: name
+         real(dp), intent(in) :: value, disc
+
+         if (value > heavy*disc) call add_warning(warnings, 'body', body, name//' = '//real_text(value)//' of '//"'"// &
+            train%bodies(body)%name//"'"//': planets that are full discs of steel, as wide as their teeth, have '//short(disc)// &
+            '; the units are kg and kg m^2')
+      end subroutine tell
+
+   end subroutine warn_of_places
 
    !> Warns of phases that no angles of planets give. Turned from one planet to another, a set is the same a while later: by that
    !> all meshes of the planet lag behind their likes, z_s psi cycles by the angle psi [turns]. Places that fit are 1/(z_s + z_r)
