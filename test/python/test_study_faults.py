@@ -241,6 +241,16 @@ def test_a_stop_at_any_moment_leaves_no_claim(folder):
     assert not any(store.claims.iterdir()) and not any(store.suspects.iterdir()) and not computed(folder)
 
 
+def test_a_worker_that_is_told_to_end_does(folder):
+    """A pool that is broken tells its processes so once, and waits for them."""
+    store = Store(folder)
+    with ProcessPoolExecutor(1, get_context("spawn"), stop_after_a_claim) as pool:
+        assert pool.submit(compute_batch, str(folder), store.plan().digest, 0).result() == STOPPED
+        (process,) = pool._processes.values()
+        process.join(20)
+        assert process.exitcode == -signal.SIGTERM
+
+
 def test_a_stop_of_the_client_leaves_no_claim(folder, monkeypatch):
     """Ctrl-C in the midst of a claim in the process of the study itself, which lives on and would count as its owner."""
     make = Claim.make

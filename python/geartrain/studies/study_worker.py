@@ -32,6 +32,7 @@ STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGXCPU")
 _stopping = threading.Event()
 _batch = SimpleNamespace(computing=False)  # within `_interruptible`; handlers of signals must not meet a lock
 _TICK = 0.1  # s between looks at a process that computes a point
+_ANSWER = 0.2  # s for the answer of a process that was told to end
 _LONGEST = 10.0  # s after which the points so far are written: so much a kill may lose
 
 
@@ -182,6 +183,11 @@ def _stoppable() -> Iterator[None]:
         for number, handler in before.items():
             signal.signal(number, handler)
         late = len(stops) > 0
+        if signal.SIGTERM in stops and before[signal.SIGTERM] is signal.SIG_DFL:
+            # Whoever ends the process waits for that: it goes when its answer is on the way.
+            end = threading.Timer(_ANSWER, os.kill, (os.getpid(), signal.SIGTERM))
+            end.daemon = True
+            end.start()
         stops.clear()
     if late:
         raise KeyboardInterrupt
