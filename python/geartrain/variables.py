@@ -118,7 +118,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "face_width": Variable("face_width", "real", "float", None, False, "Common face width of the two gears; [m]; > 0"),
         "profile_shift": Variable("profile_shift", "reals", "Series", None, False, "Profile shift coefficients, positive towards the tips; none: 0; -2 to 2"),
         "centre_distance": Variable("centre_distance", "real", "float", None, False, "Centre distance; default: the flanks touch without backlash; [m]; > 0"),
-        "tip_diameter": Variable("tip_diameter", "reals", "Series", None, False, "Tip diameters; default: from the basic rack, shortened to keep its clearance; [m]; > 0"),
+        "tip_diameter": Variable("tip_diameter", "reals", "Series", None, False, "Tip diameters; default: from the basic rack, shortened to keep its clearance where flanks without backlash touch; [m]; > 0"),
         "dedendum": Variable("dedendum", "real", "float", 1.25, False, "Dedendum of the basic rack over the module; 1 to 2"),
         "backlash": Variable("backlash", "real", "float", 0.0, False, "Circumferential backlash at the working pitch circles, in the transverse plane; [m]; >= 0"),
         "bore": Variable("bore", "reals", "Series", None, False, "Bores of the gears, for their inertias; none: 0; [m]; >= 0"),

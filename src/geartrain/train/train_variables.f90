@@ -314,8 +314,8 @@ contains
       given = .not. abs(mesh%centre_distance) <= 0
       call v%on_real(row('centre_distance', 'm', 'centre distance; default: the flanks touch without backlash', &
                          above=zero), mesh%centre_distance, given)
-      call v%on_list(row('tip_diameter', 'm', 'tip diameters; default: from the basic rack, shortened to keep its clearance', &
-                         above=zero, values=2), mesh%tip_diameter)
+      call v%on_list(row('tip_diameter', 'm', 'tip diameters; default: from the basic rack, shortened to keep its clearance &
+                         &where flanks without backlash touch', above=zero, values=2), mesh%tip_diameter)
       call v%on_real(row('dedendum', '', 'dedendum of the basic rack over the module', least=one, most=2*one), mesh%dedendum)
       call v%on_real(row('backlash', 'm', 'circumferential backlash at the working pitch circles, in the transverse plane', &
                          least=zero), mesh%backlash)
