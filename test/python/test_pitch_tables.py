@@ -9,6 +9,7 @@ from conftest import run
 from rexs_files import one_stage, planetary, said, scripts, two_stages
 
 import geartrain as gt
+from geartrain.files.rexs import case_of_rexs
 from geartrain.files.rexs_command import main
 
 pytestmark = pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
@@ -99,6 +100,21 @@ def test_from_rexs_to_a_report_with_sidebands(executable, tmp_path):
     smooth = done.stdout.replace("pitch_error_form = 'steps'", "pitch_error_form = 'polynomial'")
     (tmp_path / "smooth.nml").write_text(smooth)
     assert smooth != done.stdout and run(executable, "--check", "smooth.nml", cwd=tmp_path).returncode == 0
+
+
+@pytest.mark.parametrize(("gears", "asked"), [(("Pinion 1 [11]", "Wheel 1 [14]"), "response"), ((
+    "Pinion 1 [11]", "Wheel 1 [14]", "Pinion 2 [17]", "Wheel 2 [20]"), "integration")])
+def test_a_case_with_errors_asks_for_what_can_be_had(executable, tmp_path, gears, asked):
+    """Errors of all gears repeat themselves too late for a response."""
+    two_stages().write(tmp_path / "gearbox.rexs")
+    tables = {}
+    for gear, teeth in zip(gears, (23, 71, 19, 80), strict=False):
+        np.savetxt(tmp_path / f"{teeth}.txt", 20 * np.cos(2 * pi * 3 * np.arange(teeth) / teeth))
+        tables[gear] = tmp_path / f"{teeth}.txt"
+    text = case_of_rexs(tmp_path / "gearbox.rexs", pitch_errors=tables)
+    assert f"&{asked}" in text and text.count("from = 300.0") == 1
+    (tmp_path / "case.nml").write_text(text)
+    assert run(executable, "--check", "case.nml", cwd=tmp_path).returncode == 0
 
 
 @pytest.mark.parametrize(("gear", "text", "words"), [

@@ -5,12 +5,13 @@ from __future__ import annotations
 import difflib
 import math
 import os
+import warnings
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError, plain, shown
+from ..errors import DrawingWarning, InputError, plain, shown
 from ..train import Train
 from .pitch_table import read_pitch_table
 from .rexs_draft import Draft
@@ -25,6 +26,8 @@ __all__ = ["case_of_rexs", "read_rexs"]
 _READ = ("shaft", "shaft_section", "cylindrical_gear", "ring_gear", "cylindrical_stage", "external_load", "coupling",
          "switchable_coupling", "additional_mass", "side_plate", "planet_carrier")
 _RESULTS = 12
+#: Most cycles of the fastest mesh in the period of a response (train/nearby_orders.f90); speeds of an integration instead.
+_MOST_CYCLES, _POINTS = 10000, 11
 
 
 def read_rexs(
@@ -78,6 +81,8 @@ def case_of_rexs(
 ) -> str:
     """The case of a REXS file as text: every number with the component that it is of."""
     draft, source, file = _drafted(path, load_case, pitch_errors)
+    if pitch_errors:
+        _ask_in_time(draft, source)
     head = [f"From {Path(path).name}: REXS {file.version}, written by {file.application or 'an unknown program'}",
             "Numbers are in SI units, angles in degrees. Each has its unit and the component that it is of."]
     return draft.text([plain(line) for line in head], source.notes)
@@ -100,6 +105,26 @@ def _drafted(
     _tell_unused(source)
     source.check()
     return draft, source, file
+
+
+def _ask_in_time(draft: Draft, source: Source) -> None:
+    """Ask for time integration where the errors of all gears together repeat themselves after too many cycles for a response."""
+    unit = {"characteristic_frequency": 1.0}  # that of a long period may be too far from all others
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DrawingWarning)
+        train = Train._of([(group, {**values, **unit} if group == "train" else values) for group, values in draft.values()
+                           if group not in ("modes", "response")])
+    if max(train._outline["order"]) <= _MOST_CYCLES:
+        return
+    for place, (group, _, entries) in enumerate(draft.groups):
+        if group == "train":
+            entries["characteristic_frequency"] = Entry(1.0, "speeds are in rpm")
+        elif group == "response":
+            asked = {name: entries[name] for name in ("from", "to", "unit")}
+            draft.groups[place] = "integration", "in time, as the errors repeat themselves too late for a response", {
+                **asked, "points": Entry(_POINTS, "")}
+            source.note("assumed", f"integration in time at {_POINTS} speeds in place of a response: with these errors the motion "
+                                   f"repeats itself after more than {_MOST_CYCLES} mesh cycles")
 
 
 def _add_pitch_errors(draft: Draft, source: Source, gear: str, path: str | os.PathLike[str]) -> None:
