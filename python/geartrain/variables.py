@@ -75,7 +75,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "planet_bore": Variable("planet_bore", "real", "float", 0.0, False, "Bore of the planets; [m]; >= 0"),
         "planet_errors": Variable("planet_errors", "reals", "Series", None, False, "Errors of the places of the planets along the line of action, a value a planet: the error_mean of both its meshes. Positive: against the push of the driving member; the planet bears more; [m]"),
         "density": Variable("density", "real", "float", 7850.0, False, "Density of the planets; [kg/m^3]; > 0"),
-        "backlash": Variable("backlash", "reals", "Series", None, False, "Circumferential backlash at the working pitch circles of sun and ring meshes; one value: both; [m]; >= 0"),
+        "backlash": Variable("backlash", "reals", "Series", None, False, "Circumferential backlash at the working pitch circles of sun and ring meshes; one value: both; without it teeth never part, and pull where they would; [m]; >= 0"),
         "half_backlash": Variable("half_backlash", "reals", "Series", None, False, "Half of the backlash along the line of action of sun and ring meshes; one value: both, in place of backlash; [m]; >= 0"),
         "stiffness": Variable("stiffness", "reals", "Series", None, False, "Mean mesh stiffness of sun and ring meshes; one value: both; none: from the drawing by ISO 6336-1; [N/m]; > 0"),
         "damping_ratio": Variable("damping_ratio", "reals", "Series", None, False, "Damping ratio, as of a mesh, of sun and ring meshes; one value: both; >= 0"),

@@ -111,7 +111,8 @@ contains
       character(*), parameter :: both = ' of sun and ring meshes; one value: both'
       character(:), allocatable :: word
 
-      call v%on_list(row('backlash', 'm', 'circumferential backlash at the working pitch circles'//both, least=zero), set%backlash)
+      call v%on_list(row('backlash', 'm', 'circumferential backlash at the working pitch circles'//both//'; without it teeth &
+                         &never part, and pull where they would', least=zero), set%backlash)
       call v%on_list(row('half_backlash', 'm', 'half of the backlash along the line of action'//both//', in place of backlash', &
                          least=zero), set%half_backlash)
       call v%on_list(row('stiffness', 'N/m', 'mean mesh stiffness'//both//'; none: from the drawing by ISO 6336-1', above=zero), &
