@@ -195,3 +195,24 @@ def test_a_band_ends_at_the_branch_point_of_another_segment():
     for at in (2337.0, 2338.6):
         motion = min(branch.at(at), key=lambda one: np.ptp(one.rms[:2]))
         assert at < point and np.ptp(motion.rms[:2]) < 1e-6 and motion.refine().stable
+
+
+@pytest.mark.full
+def test_verdicts_where_growth_is_steep():
+    """Between 9693.8 and 9694.3 rpm the largest multiplier of a further branch is 1.45, 0.99, 1.35: no decided point is wrong."""
+    train = gt.Train(
+        bodies=[gt.Body(name="motor", inertia=0.05, torque=20.0), gt.Body(name="sun", inertia=1e-3),
+                gt.Body(name="ring", held=True), gt.Body(name="arm", inertia=0.02, balances=True)],
+        shafts=[gt.Shaft(between=("motor", "sun"), stiffness=1e4, damping_ratio=0.05)],
+        planetaries=[gt.Planetary(name="set", sun="sun", ring="ring", carrier="arm", teeth=(30, 24, 78), planets=3,
+                                  normal_module=2e-3, face_width=0.02, damping_ratio=0.04, backlash=30e-6, stiffness=(2e8, 2.5e8),
+                                  stiffness_harmonics=2, sun_error_cos=3e-6, planet_inertia=1.5e-4)])
+    branch = train.response(start=3000, stop=20000, unit="rpm", harmonics=0, tolerance=1e-3, branch_points=True)
+    steep = 0
+    for further in branch.branches:
+        for place in np.flatnonzero(~further.undecided & (abs(further.frequency - 9693.8) < 100)):
+            found = further.at(float(further.frequency[place]), unit="rpm")
+            motion = found[np.argmin([np.abs(one.rms - further.rms[place]).max() for one in found])]
+            assert (np.abs(motion.refine().multipliers).max() < 1) == further.stable[place]
+            steep += 1
+    assert steep > 4

@@ -1,5 +1,6 @@
 !> Appends points to a branch: enlarges its arrays, derives values from the coefficients, assesses stability where asked for.
 module geartrain_trace_recorder
+   use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_balanced_torque, only: find_shaft_torques, mean_forces
@@ -266,6 +267,31 @@ contains
       integer :: i
 
       call arrange_points(branch, [(i, i=1, branch%points)], branch%points)
+      if (allocated(branch%undecided)) call doubt_steep_growth(branch)
    end subroutine finish
+
+   !> Takes as undecided where the growth rate changes so much from point to point that it may have another sign within the error of
+   !> the motion. Where a branch of doubled periods is about to end, 4e-6 of Lambda is from a multiplier of 0.988 to one of 1.004.
+   subroutine doubt_steep_growth(branch)
+      type(branch_type), intent(inout) :: branch
+      real(dp) :: apart
+      integer :: i, j
+
+      do i = 1, branch%points
+         do j = max(1, i - 1), min(i + 1, branch%points)
+            if (j == i .or. branch%segment(j) /= branch%segment(i) .or. branch%undecided(i)) cycle
+            associate (here => branch%coefficients(:, :, i), there => branch%coefficients(:, :, j), &
+                       value => branch%frequency_ratio([i, j]), rate => branch%growth_rate)
+               if (.not. all(ieee_is_finite([rate(i), rate(j), branch%error_estimate(i)]))) cycle
+               apart = hypot(norm2(here - there)/max(norm2(here), tiny(apart)), &
+                             (value(1) - value(2))/max(maxval(abs(value)), tiny(apart)))
+               if (abs(rate(i)) < abs(rate(i) - rate(j))*min(1.0_dp, branch%error_estimate(i)/max(apart, tiny(apart)))) then
+                  branch%undecided(i) = .true.
+                  branch%count_undecided(i) = .true.
+               end if
+            end associate
+         end do
+      end do
+   end subroutine doubt_steep_growth
 
 end module geartrain_trace_recorder
