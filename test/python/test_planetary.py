@@ -237,7 +237,7 @@ def test_flanks_that_bear_against_driving(torque, driving, warned):
     ((0, 0, 0), (0, 0, 0), "phase: 3 planets have this phase, but with 17 and 61 teeth 1 place has it"),
 ])
 def test_phases_that_no_places_of_planets_give(places, ring_places, said):
-    """By places of 1/(z_s + z_r) turns each; the drawing alone tells nothing of them."""
+    """By places of 1/(z_s + z_r) turns each; the drawing does not know them."""
     lag = np.array([17 * place / 78 for place in places] + [-61 * place / 78 for place in ring_places])
     meshes = [gt.Mesh(between=("sun", f"planet {n % 3}") if n < 3 else (f"planet {n % 3}", "ring"), carrier="arm", internal=n >= 3,
                       teeth=(17, 22) if n < 3 else (22, 61), stiffness=1e9, half_backlash=4e-5, stiffness_cos=[0.1],

@@ -242,7 +242,7 @@ def test_a_stop_at_any_moment_leaves_no_claim(folder):
 
 
 def test_a_worker_that_is_told_to_end_does(folder):
-    """A pool that is broken tells its processes so once, and waits for them."""
+    """A pool that is broken ends its processes by one signal, and waits for them."""
     store = Store(folder)
     with ProcessPoolExecutor(1, get_context("spawn"), stop_after_a_claim) as pool:
         assert pool.submit(compute_batch, str(folder), store.plan().digest, 0).result() == STOPPED

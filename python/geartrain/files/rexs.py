@@ -109,7 +109,7 @@ def _drafted(
 
 def _ask_in_time(draft: Draft, source: Source) -> None:
     """Ask for time integration where the errors of all gears together repeat themselves after too many cycles for a response."""
-    unit = {"characteristic_frequency": 1.0}  # that of a long period may be too far from all others
+    unit = {"characteristic_frequency": 1.0}  # the frequency of a long period may be too far from all others
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DrawingWarning)
         train = Train._of([(group, {**values, **unit} if group == "train" else values) for group, values in draft.values()

@@ -199,7 +199,7 @@ def _pair(
 
 
 def _with_pressure_angle(source: Source, stage: Component, gears: tuple[Gear, Gear]) -> tuple[Gear, Gear]:
-    """Gears with the normal pressure angle of both; a missing one is that of the mate."""
+    """Gears with the normal pressure angle of both; a missing one is taken from the mate."""
     one, other = gears
     if one.pressure is not None and other.pressure is not None and abs(one.pressure - other.pressure) > 1e-3:
         source.wrong(stage, f"{one.component} and {other.component} differ in normal pressure angle: {one.pressure:g} and "

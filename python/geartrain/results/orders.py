@@ -29,7 +29,7 @@ def named_orders(train: Description) -> dict[float, str]:
 
 
 def _all_names(train: Description) -> list[tuple[float, str]]:
-    """Orders and their names; of several names of an order that of a body first, then multiples of a mesh, then the simplest."""
+    """Orders and their names; of several names of an order a body comes first, then multiples of a mesh, then the simplest."""
     meshes: dict[int, str] = {}
     for number, order in enumerate(map(int, train._outline["order"][:len(train.meshes)]), 1):
         meshes[order] = f"{meshes[order]}, {number}" if order in meshes else f"mesh {number}"

@@ -158,7 +158,7 @@ class RunUp(Table, Recording):
         Parameters
         ----------
         orders : iterable of float or str, optional
-            As in `waterfall`: names, or multiples of the fundamental, which need not be those of a shaft.
+            As in `waterfall`: names, or multiples of the fundamental, which may turn slower than any shaft.
         what : {'mesh_force', 'shaft_torque', 'displacement'}
         cycles : float, optional
             Cycles of the fundamental in a window. Default: as many as separate the orders from one another and from multiples of

@@ -32,7 +32,7 @@ STOPS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGXCPU")
 _stopping = threading.Event()
 _batch = SimpleNamespace(computing=False)  # within `_interruptible`; handlers of signals must not meet a lock
 _TICK = 0.1  # s between looks at a process that computes a point
-_ANSWER = 0.2  # s for the answer of a process that was told to end
+_ANSWER = 0.2  # s for the answer of a process that is to end
 _LONGEST = 10.0  # s after which the points so far are written: so much a kill may lose
 
 
@@ -146,7 +146,7 @@ def _alone(store: Store, plan: Plan, point: int) -> list[Record]:
 
 
 def _said_by(child: subprocess.Popen[str]) -> str:
-    """What a process says before its end, unless it is to stop, which Ctrl-C may tell it too."""
+    """What a process says before its end; an interrupt where this one is to stop, as Ctrl-C may have ended that one too."""
     said = None
     while said is None:
         with contextlib.suppress(subprocess.TimeoutExpired):

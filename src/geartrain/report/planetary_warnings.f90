@@ -20,7 +20,7 @@ module geartrain_report_planetary_warnings
 
    !> Difference of lags that is no rounding of given decimals [cycles].
    real(dp), parameter :: least_difference = 0.01_dp
-   !> Difference of two centre distances that is no rounding [1]; inertia over that of a disc that is in another unit [1]; density
+   !> Difference of two centre distances that is no rounding [1]; inertia of a part over a disc that is in another unit [1]; density
    !> of steel [kg/m^3].
    real(dp), parameter :: near = 2e-3_dp, heavy = 50, steel = 7850
 
@@ -222,7 +222,7 @@ contains
       type(text_type), allocatable, intent(inout) :: warnings(:)
 
       if (.not. agreed) call add_warning(warnings, 'train', 0, 'the mesh stiffnesses of light loads and the loads that follow from &
-         &them do not agree: they are those of the last of 200 passes, and load shares are uncertain; give stiffness [N/m]')
+         &them do not agree within 200 passes, and load shares are uncertain; give stiffness [N/m]')
       call warn_of_coast_flanks(train, plain, system, warnings)
       call warn_of_pulling_planets(plain, system, warnings)
    end subroutine warn_of_planets
@@ -246,7 +246,7 @@ contains
             k = merge(minloc(force, 1), maxloc(force, 1), sum(force) > 0)
          end associate
          call add_warning(warnings, 'mesh', meshes(k), 'the teeth of this planet of '//trim(sets(i)%name)//' pull at rest, as they &
-            &have no backlash in which they part: load shares are not those of a set with backlash')
+            &have no backlash in which they part: a set with backlash has other load shares')
       end do
    end subroutine warn_of_pulling_planets
 
