@@ -313,6 +313,18 @@ def test_planets_by_hand_that_do_not_fit(ring, module, inertia, said):
     assert found == [] if said == "" else found and said in found[0]
 
 
+@pytest.mark.parametrize("gears", [("sun", "planet"), ("planet", "ring")])
+def test_a_set_of_a_sun_or_a_ring_alone(gears):
+    """Warnings of sets hold for those that lack a ring or a sun."""
+    inside = gears[1] == "ring"
+    meshes = [gt.Mesh(between=[gear if gear != "planet" else f"p{n}" for gear in gears], carrier="arm", internal=inside,
+                      teeth=(20, 71) if inside else (31, 20), normal_module=1.5e-3, face_width=0.02, damping_ratio=0.05,
+                      stiffness_cos=[0.1]) for n in range(3)]
+    bodies = [gt.Body(name="arm", held=True), gt.Body(name="ring" if inside else "sun", inertia=8.2e-4, torque=60.0),
+              *(gt.Body(name=f"p{n}", inertia=1e-5, balances=n == 0) for n in range(3))]
+    assert len(gt.Train(bodies=bodies, meshes=meshes).natural_frequencies()) == 3
+
+
 def test_phases_in_degrees():
     """Whole numbers beyond a turn are degrees; multiples of pi are not, nor is a ring more than a cycle behind its sun."""
     pair = gt.Mesh(between=("a", "b"), teeth=(20, 30), normal_module=2e-3, stiffness=1e8)

@@ -238,8 +238,11 @@ contains
 
       call find_sets(plain, sets)
       do i = 1, size(sets)
-         meshes = sets(i)%ring_meshes
-         if (sets(i)%sun > 0) meshes = sets(i)%sun_meshes
+         if (sets(i)%sun > 0) then
+            meshes = sets(i)%sun_meshes
+         else
+            meshes = sets(i)%ring_meshes
+         end if
          if (any(plain%meshes(meshes)%half_backlash > 0)) cycle
          associate (force => system%static_force(system%mesh_element(meshes)))
             if (.not. (minval(force) < 0 .and. maxval(force) > 0)) cycle
