@@ -279,6 +279,17 @@ def test_a_note_says_what_was_assumed(tmp_path, name, attributes, kind, words):
     assert not said(notes, "missing", "torque; 0")
 
 
+@pytest.mark.parametrize("angle", [None, 22.5])
+def test_a_pressure_angle_that_is_missing(tmp_path, angle):
+    """It is taken from the mate; where both lack it, 20 degrees are."""
+    given = None if angle is None else ("deg", angle)
+    box = two_stages().change("Wheel 1 ", normal_pressure_angle=None).change("Pinion 1 ", normal_pressure_angle=given)
+    read = gt.read_rexs(box.write(tmp_path / "gearbox.rexs"))
+    assert read.meshes[0].pressure_angle == (angle or 20.0)
+    words = "normal pressure angle; " + (f"{angle} degrees, taken from its mate" if angle else "20 degrees")
+    assert said(read.notes, "missing", words)
+
+
 @pytest.mark.parametrize(("unit", "factor"), [("1 / s", 60.0), ("rad / s", 30 / pi)])
 def test_units_of_speeds(tmp_path, unit, factor):
     box = two_stages().change("Input [", rotational_speed=(unit, 1500.0 / factor))

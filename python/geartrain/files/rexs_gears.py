@@ -207,7 +207,7 @@ def _with_pressure_angle(source: Source, stage: Component, gears: tuple[Gear, Ge
     common = one.pressure or other.pressure
     for gear in gears:
         if gear.pressure is None:
-            told = f"{common:g} degrees, that of its mate" if common else "20 degrees"
+            told = f"{common:g} degrees, taken from its mate" if common else "20 degrees"
             source.note("missing", f"normal pressure angle; {told}", gear.component)
     return replace(one, pressure=one.pressure or common), replace(other, pressure=other.pressure or common)
 
