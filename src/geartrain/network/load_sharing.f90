@@ -57,11 +57,7 @@ contains
       if (.not. allocated(train%bodies)) return
       call find_sets(train, sets)
       do i = 1, size(sets)
-         if (allocated(sets(i)%sun_meshes)) then
-            sharing%mesh = [sharing%mesh, sets(i)%sun_meshes]
-         else
-            sharing%mesh = [sharing%mesh, sets(i)%ring_meshes]
-         end if
+         sharing%mesh = [sharing%mesh, sets(i)%meshes(1, :)]
          sharing%set = [sharing%set, [(i, n=1, size(sets(i)%planets))]]
          sharing%body = [sharing%body, sets(i)%planets]
       end do

@@ -44,7 +44,7 @@ contains
       call plain_train(train, plain)
       call find_sets(plain, sets)
       do i = 1, size(sets)
-         symmetry%mesh = meshes_of(sets(i))
+         symmetry%mesh = sets(i)%meshes
          if (.not. equal_planets(system, sets(i)%planets, symmetry%mesh)) cycle
          cycle_of_mesh = 2*pi/system%law(symmetry%mesh(1, 1))%order
          do k = 0, size(symmetry%mesh, 2) - 1
@@ -55,20 +55,6 @@ contains
          end do
       end do
    end subroutine find_symmetries
-
-   !> Meshes of the planets with sun and ring, (mesh of a planet, planet).
-   pure function meshes_of(set) result(mesh)
-      type(planetary_set_type), intent(in) :: set
-      integer, allocatable :: mesh(:, :)
-
-      if (allocated(set%sun_meshes) .and. allocated(set%ring_meshes)) then
-         mesh = transpose(reshape([set%sun_meshes, set%ring_meshes], [size(set%planets), 2]))
-      else if (allocated(set%sun_meshes)) then
-         mesh = reshape(set%sun_meshes, [1, size(set%planets)])
-      else
-         mesh = reshape(set%ring_meshes, [1, size(set%planets)])
-      end if
-   end function meshes_of
 
    !> Whether the planets are equal in all but the phases of their meshes, and in no other mesh or shaft.
    pure logical function equal_planets(system, planets, mesh)

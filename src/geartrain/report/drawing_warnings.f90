@@ -15,7 +15,7 @@ module geartrain_report_drawing_warnings
    use geartrain_train_gear_error, only: gear_words, has_tooth_factors
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: is_given, mesh_type, put_law
-   use geartrain_report_planetary_warnings, only: warn_of_phases, warn_of_places, warn_of_planets
+   use geartrain_report_planetary_warnings, only: warn_of_planet_loads, warn_of_planets
    use geartrain_train_shaft, only: shaft_type
    use geartrain_network_system, only: build_system, system_type
    use geartrain_train_train, only: train_type
@@ -87,8 +87,7 @@ contains
       if (any([(has_geometry(train%meshes(i)), i=1, size(train%meshes))])) call warn_of_drawing(train, plain, slips, warnings)
       ! Modes follow from the numbers: where these may be in another unit, they say nothing.
       if (.not. slips) call warn_of_damping_of_modes(train, warnings)
-      call warn_of_phases(train, plain, warnings)
-      if (allocated(train%bodies)) call warn_of_places(train, plain, warnings)
+      call warn_of_planets(train, plain, warnings)
       if (all_toothed(train)) call warn_of_nearby_orders(train, warnings)
    end subroutine find_warnings
 
@@ -161,7 +160,7 @@ contains
          slips = slips .or. size(warnings) > before
          call warn_of_mesh(train%meshes(i), i, system, light(i), warnings)
       end do
-      call warn_of_planets(train, plain, system, agreed, warnings)
+      call warn_of_planet_loads(train, plain, system, agreed, warnings)
    end subroutine warn_of_drawing
 
    !> Warns of a mesh stiffness that becomes negative: its amplitudes may be in N/m instead of shares of the mean stiffness.

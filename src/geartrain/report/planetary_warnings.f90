@@ -1,4 +1,4 @@
-!> Warnings of planetary sets: phases of the flanks that do not bear, and light loads that are not found.
+!> Warnings of planetary sets: places and phases that cannot be, and how planets bear at rest.
 module geartrain_report_planetary_warnings
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_field, only: text_type
@@ -16,7 +16,7 @@ module geartrain_report_planetary_warnings
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: warn_of_phases, warn_of_places, warn_of_planets
+   public :: warn_of_planet_loads, warn_of_planets
 
    !> Difference of lags that is no rounding of given decimals [cycles].
    real(dp), parameter :: least_difference = 0.01_dp
@@ -26,25 +26,35 @@ module geartrain_report_planetary_warnings
 
 contains
 
-   !> Warns of planets that are at two distances from the axis of their carrier by the drawings of their meshes, and of planets that
-   !> are far heavier than full discs of steel.
-   subroutine warn_of_places(train, plain, warnings)
+   !> Warns of places of planets, and of phases, that cannot be.
+   subroutine warn_of_planets(train, plain, warnings)
       !> The train as given, and the plain train.
       type(train_type), intent(in) :: train, plain
       !> A sentence each.
       type(text_type), allocatable, intent(inout) :: warnings(:)
       type(planetary_set_type), allocatable :: sets(:)
+
+      call find_sets(plain, sets)
+      call warn_of_phases(train, plain, sets, warnings)
+      call warn_of_places(train, plain, sets, warnings)
+   end subroutine warn_of_planets
+
+   !> Warns of planets that are at two distances from the axis of their carrier by the drawings of their meshes, and of planets that
+   !> are far heavier than full discs of steel.
+   subroutine warn_of_places(train, plain, sets, warnings)
+      type(train_type), intent(in) :: train, plain
+      type(planetary_set_type), intent(in) :: sets(:)
+      type(text_type), allocatable, intent(inout) :: warnings(:)
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: s, t
 
       call find_ends(plain, shaft_ends, mesh_ends)
-      call find_sets(plain, sets)
       do s = 1, size(sets)
          if (sets(s)%sun > 0 .and. sets(s)%ring > 0) call compare(sets(s)%sun_meshes(1), sets(s)%ring_meshes(1))
          if (sets(s)%sun > 0) call weigh(sets(s), sets(s)%sun_meshes(1))
          do t = s + 1, size(sets)
             if (sets(t)%carrier == sets(s)%carrier .and. on_one_axis(sets(s)%planets(1), sets(t)%planets(1))) &
-               call compare(first_mesh(sets(s)), first_mesh(sets(t)))
+               call compare(sets(s)%meshes(1, 1), sets(t)%meshes(1, 1))
          end do
       end do
 
@@ -58,16 +68,6 @@ contains
          on_one_axis = one == other .or. any([(all(shaft_ends(:, i) == [one, other] .or. shaft_ends(:, i) == [other, one]), &
                                               i=1, size(shaft_ends, 2))])
       end function on_one_axis
-
-      pure integer function first_mesh(set)
-         type(planetary_set_type), intent(in) :: set
-
-         if (set%sun > 0) then
-            first_mesh = set%sun_meshes(1)
-         else
-            first_mesh = set%ring_meshes(1)
-         end if
-      end function first_mesh
 
       subroutine compare(one, other)
          integer, intent(in) :: one, other
@@ -115,26 +115,19 @@ contains
    !> Warns of phases that no angles of planets give. Turned from one planet to another, a set is the same a while later: by that
    !> all meshes of the planet lag behind their likes, z_s psi cycles by the angle psi [turns]. Places that fit are 1/(z_s + z_r)
    !> turns apart, and gcd(z_s, z_r) of them have the same lag.
-   subroutine warn_of_phases(train, plain, warnings)
-      !> The train as given, and the plain train.
+   subroutine warn_of_phases(train, plain, sets, warnings)
       type(train_type), intent(in) :: train, plain
-      !> A sentence each.
+      type(planetary_set_type), intent(in) :: sets(:)
       type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(planetary_set_type), allocatable :: sets(:)
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :), own(:)
       integer :: carrier(size(train%meshes)), i, k, s, like
       logical :: told(size(train%meshes))
 
       call find_ends(plain, shaft_ends, mesh_ends)
       call find_carriers(plain, carrier)
-      call find_sets(plain, sets)
       told = .false.
       do s = 1, size(sets)
-         if (sets(s)%sun > 0) then
-            own = sets(s)%sun_meshes
-         else
-            own = sets(s)%ring_meshes
-         end if
+         own = sets(s)%meshes(1, :)
          do i = 1, size(train%meshes)
             if (carrier(i) /= sets(s)%carrier .or. any(own == i) .or. told(i)) cycle
             if (.not. varies(plain%meshes(i))) cycle
@@ -210,8 +203,8 @@ contains
 
    end subroutine warn_of_phases
 
-   !> Adds the warnings of planetary sets.
-   subroutine warn_of_planets(train, plain, system, agreed, warnings)
+   !> Warns of how planets bear at rest, where meshes have a drawing.
+   subroutine warn_of_planet_loads(train, plain, system, agreed, warnings)
       !> The train as given, and the plain train.
       type(train_type), intent(in) :: train, plain
       !> Its system.
@@ -221,28 +214,26 @@ contains
       !> A sentence each.
       type(text_type), allocatable, intent(inout) :: warnings(:)
 
+      type(planetary_set_type), allocatable :: sets(:)
+
       if (.not. agreed) call add_warning(warnings, 'train', 0, 'the mesh stiffnesses of light loads and the loads that follow from &
          &them do not agree within 200 passes, and load shares are uncertain; give stiffness [N/m]')
-      call warn_of_coast_flanks(train, plain, system, warnings)
-      call warn_of_pulling_planets(plain, system, warnings)
-   end subroutine warn_of_planets
+      call find_sets(plain, sets)
+      call warn_of_coast_flanks(train, plain, sets, system, warnings)
+      call warn_of_pulling_planets(plain, sets, system, warnings)
+   end subroutine warn_of_planet_loads
 
    !> Warns of planets whose teeth pull at rest, as they have no backlash in which they would be unloaded.
-   subroutine warn_of_pulling_planets(plain, system, warnings)
+   subroutine warn_of_pulling_planets(plain, sets, system, warnings)
       type(train_type), intent(in) :: plain
+      type(planetary_set_type), intent(in) :: sets(:)
       type(system_type), intent(in) :: system
       type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(planetary_set_type), allocatable :: sets(:)
       integer, allocatable :: meshes(:)
       integer :: i, k
 
-      call find_sets(plain, sets)
       do i = 1, size(sets)
-         if (sets(i)%sun > 0) then
-            meshes = sets(i)%sun_meshes
-         else
-            meshes = sets(i)%ring_meshes
-         end if
+         meshes = sets(i)%meshes(1, :)
          if (any(plain%meshes(meshes)%half_backlash > 0)) cycle
          associate (force => system%static_force(system%mesh_element(meshes)))
             if (.not. (minval(force) < 0 .and. maxval(force) > 0)) cycle
@@ -254,18 +245,17 @@ contains
    end subroutine warn_of_pulling_planets
 
    !> Warns of planetary sets whose drawing has the phases of the flanks that do not bear.
-   subroutine warn_of_coast_flanks(train, plain, system, warnings)
+   subroutine warn_of_coast_flanks(train, plain, sets, system, warnings)
       type(train_type), intent(in) :: train, plain
+      type(planetary_set_type), intent(in) :: sets(:)
       type(system_type), intent(in) :: system
       type(text_type), allocatable, intent(inout) :: warnings(:)
-      type(planetary_set_type), allocatable :: sets(:)
       integer, allocatable :: meshes(:)
       integer :: i, k
 
-      call find_sets(plain, sets)
       do i = 1, size(sets)
          if (sets(i)%sun == 0 .or. sets(i)%ring == 0) cycle
-         meshes = [sets(i)%sun_meshes, sets(i)%ring_meshes]
+         meshes = reshape(sets(i)%meshes, [size(sets(i)%meshes)])
          if (.not. all([(has_geometry(train%meshes(meshes(k))), k=1, size(meshes))])) cycle
          associate (force => system%static_force(system%mesh_element(meshes)))
             if (maxval(force) > 0 .or. .not. minval(force) < 0) cycle

@@ -32,6 +32,8 @@ module geartrain_train_planetary_sets
       integer, allocatable :: planets(:)
       !> Meshes with sun and ring; of no value where there is none, (planet).
       integer, allocatable :: sun_meshes(:), ring_meshes(:)
+      !> All meshes, the one with the sun first where there is one, (mesh of a planet, planet).
+      integer, allocatable :: meshes(:, :)
    end type planetary_set_type
 
 contains
@@ -63,6 +65,7 @@ contains
             call take(groups(j), set)
             exit
          end do
+         call join_meshes(set)
          call find_name(train, size(sets) + 1, set)
          sets = [sets, set]
       end do
@@ -89,6 +92,15 @@ contains
          set%sun_meshes = meshes
       end if
    end subroutine take
+
+   !> Sets the meshes of each planet.
+   pure subroutine join_meshes(set)
+      type(planetary_set_type), intent(inout) :: set
+
+      allocate (set%meshes(count([set%sun, set%ring] > 0), size(set%planets)))
+      if (set%sun > 0) set%meshes(1, :) = set%sun_meshes
+      if (set%ring > 0) set%meshes(size(set%meshes, 1), :) = set%ring_meshes
+   end subroutine join_meshes
 
    !> Finds meshes of equal numbers on one carrier with a common gear.
    pure subroutine find_groups(train, groups)
