@@ -369,13 +369,6 @@ def test_modes_of_two_equal_sets():
     assert sum(str(kind).startswith("planets of") for kind in modes.kind) == 4
 
 
-def test_all_speeds_equal_by_a_ratio(executable, tmp_path):
-    case = (ROOT / "namelists" / "hybrid.nml").read_text(encoding="utf-8").replace("speed_ratio = 2.0", "speed_ratio = 1.0")
-    (tmp_path / "case.nml").write_text(case)
-    said = run(executable, "--check", "case.nml", cwd=tmp_path).stderr
-    assert "gears do not turn: with speed_ratio = 1.0 they turn as one" in said
-
-
 def test_turns_have_the_sign_of_their_sense():
     numbers = short().explain()
     assert numbers["arm"]["turns"] == pytest.approx(17 / 78) and numbers["stage 1 planet 1"]["turns"] < 0

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from .._core.extras import extra
 from .._core.warn import warn
 from ..errors import InputError, shown
-from .orders import gears_with_errors, orders_of
+from .orders import gears_with_errors, mesh_orders, orders_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -93,7 +93,7 @@ def _lines(train: Any, highest: float) -> set[float]:
     """Multiples of mesh orders up to beyond the highest order wanted, and sidebands of gears with errors."""
     if train is None:
         return set()
-    meshes = {float(order) for order in train._outline["order"][:len(train.meshes)] if order > 0}
+    meshes = {float(order) for order in mesh_orders(train).values()}
     found = {times * order for order in meshes for times in range(1, int(highest // order) + 2)}
     for _, _, mesh, turn in gears_with_errors(train):
         found |= {times * mesh + side * turn for times in range(int(highest // mesh) + 2)

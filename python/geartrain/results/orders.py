@@ -28,10 +28,17 @@ def named_orders(train: Description) -> dict[float, str]:
     return named
 
 
+def mesh_orders(train: Description) -> dict[int, int]:
+    """Orders of the meshes by their numbers; without meshes whose gears turn as one."""
+    numbers = train.explain()
+    orders = {number: int(numbers[f"mesh {number}"]["order"]) for number in range(1, len(train.meshes) + 1)}
+    return {number: order for number, order in orders.items() if order}
+
+
 def _all_names(train: Description) -> list[tuple[float, str]]:
     """Orders and their names; of several names of an order a body comes first, then multiples of a mesh, then the simplest."""
     meshes: dict[int, str] = {}
-    for number, order in enumerate(map(int, train._outline["order"][:len(train.meshes)]), 1):
+    for number, order in mesh_orders(train).items():
         meshes[order] = f"{meshes[order]}, {number}" if order in meshes else f"mesh {number}"
     if meshes.keys() == {1} and not train._outline["speed"]:
         return []
@@ -81,14 +88,14 @@ def gears_with_errors(train: Description) -> list[tuple[int, str, int, int]]:
 
 def owners_of(train: Description, orders: Iterable[float], names: dict[float, str]) -> list[str]:
     """What each order comes from: its name, or what takes the fewest multiples; ``''`` where nothing is known."""
-    gears, meshes = gears_with_errors(train), [int(order) for order in train._outline["order"][:len(train.meshes)]]
+    gears, meshes = gears_with_errors(train), mesh_orders(train)
     exact = {round(order, 6): name for order, name in names.items()}
     sums: dict[int, tuple[float, str]] = {}
-    for count, order, name in _sums({order: f"mesh {number}" for number, order in reversed([*enumerate(meshes, 1)])}, _FAR_SUMS):
+    for count, order, name in _sums({order: f"mesh {number}" for number, order in reversed(meshes.items())}, _FAR_SUMS):
         sums[order] = min(sums.get(order, (count, name)), (count, name))
 
     def owner(order: float) -> str:
-        found = [(order / mesh, f"{order / mesh:.0f} x mesh {number}") for number, mesh in enumerate(meshes, 1) if not order % mesh]
+        found = [(order / mesh, f"{order / mesh:.0f} x mesh {number}") for number, mesh in meshes.items() if not order % mesh]
         found += [sums[int(order)]] if order.is_integer() and int(order) in sums else []
         for number, gear, mesh, turn in gears:
             times = round(order / mesh)

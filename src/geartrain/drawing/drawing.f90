@@ -12,11 +12,12 @@ module geartrain_drawing_drawing
    use geartrain_train_bearing_rows, only: put_rows
    use geartrain_train_bodies, only: find_ends
    use geartrain_train_body, only: body_type, follows_speed, plain_torque
-   use geartrain_train_gear_error, only: make_plain
+   use geartrain_train_gear_error, only: gear_error_type, make_plain
    use geartrain_train_kinematics, only: all_toothed, find_kinematics, kinematics_type
    use geartrain_train_mesh, only: has_table, is_given, mesh_type, plain_coupling, plain_mesh
    use geartrain_train_shaft, only: shaft_type
    use geartrain_train_train, only: train_type
+   use geartrain_train_turning, only: find_locked
    implicit none (type, external)
    private
    public :: drop_drawing, gears_of, has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
@@ -56,6 +57,7 @@ contains
             call plain_coupling(plain%meshes(i))
          else if (train%meshes(i)%is_pair()) then
             call put_pair(train%meshes(i), plain%meshes(i))
+            if (plain%meshes(i)%locked) call still(plain%meshes(i))
          end if
       end do
       call put_rows(plain%meshes)
@@ -83,10 +85,12 @@ contains
       type(train_type), intent(in) :: train
       type(train_type), intent(inout) :: plain
       type(kinematics_type) :: found
+      logical :: excites(size(plain%meshes))
       integer :: i, gear
 
+      if (all_toothed(train)) call find_kinematics(train, found)
+      call find_locked(train, found%turning, plain%meshes%locked)
       if (all_toothed(train)) then
-         call find_kinematics(train, found)
          if (found%known) then
             where (train%meshes%order == 0) plain%meshes%order = found%order
             do i = 1, size(train%meshes)
@@ -105,11 +109,28 @@ contains
          end if
          if (.not. abs(train%characteristic_length) > 0) plain%characteristic_length = 1e-6_dp
       end if
-      where (plain%meshes%order == 0) plain%meshes%order = 1
-      ! A coupling or a bearing excites nothing: its order is one that there is.
-      if (any(plain%meshes%is_pair())) &
-         where (.not. plain%meshes%is_pair()) plain%meshes%order = minval(plain%meshes%order, plain%meshes%is_pair())
+      where (plain%meshes%order == 0 .and. .not. plain%meshes%locked) plain%meshes%order = 1
+      ! A coupling, a bearing or a mesh whose teeth stand still excites nothing: its order is one that there is.
+      excites = plain%meshes%is_pair() .and. .not. plain%meshes%locked
+      where (.not. excites) plain%meshes%order = merge(minval(plain%meshes%order, excites), 1, any(excites))
    end subroutine put_orders
+
+   !> Leaves the means of a mesh whose teeth stand still in each other: at which place of the cycle they do is not known.
+   elemental subroutine still(mesh)
+      !> A plain mesh.
+      type(mesh_type), intent(inout) :: mesh
+      integer :: gear
+
+      mesh%stiffness_cos = [real(dp) ::]
+      mesh%stiffness_sin = [real(dp) ::]
+      mesh%error_cos = [real(dp) ::]
+      mesh%error_sin = [real(dp) ::]
+      if (allocated(mesh%stage_cos)) mesh%stage_cos(:, :) = 0
+      if (allocated(mesh%stage_sin)) mesh%stage_sin(:, :) = 0
+      do gear = 1, 2
+         mesh%gear_error(gear) = gear_error_type()
+      end do
+   end subroutine still
 
    !> Sets radii, half backlash, stiffness and harmonics of a mesh.
    pure subroutine put_pair(mesh, plain)

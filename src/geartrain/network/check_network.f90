@@ -231,6 +231,7 @@ contains
       type(train_type), intent(in) :: train
       integer, intent(in) :: shaft_ends(:, :), mesh_ends(:, :), carrier(:)
       class(checker_type), intent(inout) :: checker
+      character(*), parameter :: lock = '; a set that turns as one is locked by a &shaft with a stiffness'
       type(nodes_type) :: nodes
       integer :: i
 
@@ -244,16 +245,18 @@ contains
          if (carrier(i) == 0) cycle
          associate (names => train%meshes(i)%between, arm => train%meshes(i)%carrier)
             if (nodes%node(carrier(i)) == 0) cycle
-            call check_one('mesh', [names(1), arm], [mesh_ends(1, i), carrier(i)])
-            call check_one('mesh', [names(2), arm], [mesh_ends(2, i), carrier(i)])
+            call check_one('mesh', [names(1), arm], [mesh_ends(1, i), carrier(i)], lock)
+            call check_one('mesh', [names(2), arm], [mesh_ends(2, i), carrier(i)], lock)
          end associate
       end do
 
    contains
 
-      subroutine check_one(group, between, ends)
+      subroutine check_one(group, between, ends, advice)
          character(*), intent(in) :: group, between(2)
          integer, intent(in) :: ends(2)
+         character(*), intent(in), optional :: advice
+         character(:), allocatable :: words
 
          if (nodes%node(ends(1)) /= nodes%node(ends(2))) return
          if (group == 'shaft') call checker%enter(group, i)
@@ -262,8 +265,10 @@ contains
             'are both held, directly or by rigid shafts: nothing moves in between')
          if (nodes%node(ends(1)) == 0) call checker%leave()
          if (nodes%node(ends(1)) == 0) return
+         words = ': nothing moves in between'
+         if (present(advice)) words = words//advice
          call checker%complain('between', "'"//trim(between(1))//"', '"//trim(between(2))//"'", &
-                               'are made one body by '//trim(rigid_way(train, shaft_ends, ends))//': nothing moves in between')
+                               'are made one body by '//trim(rigid_way(train, shaft_ends, ends))//words)
          call checker%leave()
       end subroutine check_one
 

@@ -8,7 +8,7 @@ module geartrain_network_check_turning
    use geartrain_train_mesh_groups, only: group_name, group_number
    use geartrain_network_network, only: balances, build_network, network_type
    use geartrain_train_train, only: train_type
-   use geartrain_train_turning, only: find_turning, turning_type
+   use geartrain_train_turning, only: find_turning, lock_by_teeth, turning_type
    implicit none (type, external)
    private
    public :: check_joints, check_turning
@@ -29,6 +29,7 @@ contains
       type(turning_type) :: turning
       character(:), allocatable :: why
       integer :: i, ratios
+      logical :: by_teeth
 
       call find_turning(train, turning)
       ratios = count(train%bodies%ratio_given)
@@ -65,15 +66,14 @@ contains
       do i = 1, size(carrier)
          if (carrier(i) == 0 .or. abs(turning%relative(i)) > 0) cycle
          if (any(train%bodies%stiffness_to_ground > 0) .or. all(train%bodies([mesh_ends(:, i), carrier(i)])%held)) cycle
+         by_teeth = lock_by_teeth(train, mesh_ends(1, i), carrier(i))
+         if (turning%locked(i) .and. .not. by_teeth) cycle
          call checker%enter('mesh', i)
-         if (count(train%bodies%held) > 1) then
+         if (by_teeth .or. .not. any(train%bodies%held)) then
+            why = 'they lock, as teeth that do not fit do'
+         else
             call name_bodies(train%bodies, train%bodies%held, why)
             why = why//' held'
-         else if (ratios > 0) then
-            why = 'with speed_ratio = '//real_text(train%bodies(findloc(train%bodies%ratio_given, .true., 1))%speed_ratio)// &
-                  ' they turn as one'
-         else
-            why = 'they lock, as teeth that do not fit do, or turn as one'
          end if
          call checker%complain('carrier', "'"//trim(train%meshes(i)%carrier)//"'", 'is a carrier against which its gears do not &
             &turn: '//why)

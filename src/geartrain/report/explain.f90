@@ -251,7 +251,7 @@ contains
       real(dp), allocatable :: list(:)
       integer, allocatable :: orders(:)
       real(dp) :: force, line_load, angle
-      integer :: n
+      integer :: n, order
 
       labels = mesh_labels(context%given)
       if (.not. fields%enter('mesh '//integer_text(i), trim(labels(i)), .true.)) return
@@ -336,7 +336,13 @@ contains
                                       trim(merge('from the teeth', 'default       ', context%toothed))
          if (context%kinematics%order_error > 0) words = words//', which make it the multiple '// &
             integer_text(context%kinematics%exact_order(i))//' of their own fundamental'
-         call carry(fields, field_type('order', '', '1', words), plain%order)
+         order = plain%order
+         if (plain%locked) then
+            order = 0
+            words = 'the gears turn as one with the carrier: their teeth stand still in each other, mean stiffness and mean error &
+               &alone act'
+         end if
+         call carry(fields, field_type('order', '', '1', words), order)
          orders = plain%order*excited(plain)
          if (size(orders) > 0) call carry(fields, field_type('excited_orders', 'harmonic', '1', 'multiples of the fundamental &
             &with an amplitude of its stiffness or transmission error'), orders)

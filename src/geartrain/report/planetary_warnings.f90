@@ -35,9 +35,26 @@ contains
       type(planetary_set_type), allocatable :: sets(:)
 
       call find_sets(plain, sets)
+      call warn_of_locked(plain, warnings)
       call warn_of_phases(train, plain, sets, warnings)
       call warn_of_places(train, plain, sets, warnings)
    end subroutine warn_of_planets
+
+   !> Warns of teeth that stand still: at which place of their cycle is not known.
+   subroutine warn_of_locked(plain, warnings)
+      type(train_type), intent(in) :: plain
+      type(text_type), allocatable, intent(inout) :: warnings(:)
+      character(label_length) :: labels(size(plain%meshes))
+      integer :: i
+
+      labels = mesh_labels(plain)
+      do i = 1, size(plain%meshes)
+         if (.not. plain%meshes(i)%locked .or. any(plain%meshes(:i - 1)%carrier == plain%meshes(i)%carrier)) cycle
+         call add_warning(warnings, 'mesh', i, 'the gears of '//trim(labels(i))//' turn as one with their carrier '''// &
+                          trim(plain%meshes(i)%carrier)//''': here and in its other meshes teeth stand still, at a place of the &
+                          &cycle that is not known, and bear with their mean stiffness')
+      end do
+   end subroutine warn_of_locked
 
    !> Warns of planets that are at two distances from the axis of their carrier by the drawings of their meshes, and of planets that
    !> are far heavier than full discs of steel.

@@ -58,7 +58,7 @@ contains
       call plain_train(train, plain)
       call build_system(train, system)
       call find_kinematics(train, kinematics)
-      sources%mesh_order = merge(plain%meshes%order, 0, plain%meshes%is_pair())
+      sources%mesh_order = merge(plain%meshes%order, 0, plain%meshes%is_pair() .and. .not. plain%meshes%locked)
       allocate (sources%body_order(body_count(train)), source=0)
       if (kinematics%known) sources%body_order = kinematics%revolution_order
       allocate (sources%revolutions(size(sources%body_order)), source=1)

@@ -30,9 +30,10 @@ module geartrain_train_kinematics
       !> body per period of the fundamental are fundamental(2)/fundamental(1).
       integer(int64), allocatable :: rate(:, :)
       integer(int64) :: fundamental(2) = [1_int64, 1_int64]
-      !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); revolution_order is 0 where the
-      !> body has no torque of its own revolution, and the order of two revolutions where its torque repeats itself so. A planet
-      !> revolves against its carrier: so its teeth and its bearing pass.
+      !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); order is 0 of a mesh whose
+      !> gears turn as one with their carrier; revolution_order is 0 where the body has no torque of its own revolution, and the
+      !> order of two revolutions where its torque repeats itself so. A planet revolves against its carrier: so its teeth and its
+      !> bearing pass.
       integer, allocatable :: order(:), revolution_order(:)
       !> The mesh frequencies are not quite those of the teeth, so that their period has fewer cycles: order of each mesh by
       !> the teeth, (mesh), and largest relative error of a frequency [1]; not allocated and 0 where they are exact.
@@ -115,7 +116,7 @@ contains
             revolving(:, i) = revolving(:, i)/greatest_divisor(revolving(1, i), revolving(2, i))
          end do
       end if
-      if (any(engaging(1, :) == 0 .and. train%meshes%is_pair()) .or. any(engaging > most)) return
+      if (any(engaging > most)) return
       divisor = 0
       common = 1
       do i = 1, size(engaging, 2)

@@ -77,6 +77,8 @@ module geartrain_train_mesh
       character(10) :: pitch_error_form = 'polynomial'
       !> Mesh frequency as a multiple of the fundamental, m_n [1]; 0: by the teeth where every mesh has them, else 1.
       integer :: order = 0
+      !> Derived of a plain mesh: its gears turn as one with their carrier, so that its teeth stand still in each other.
+      logical :: locked = .false.
       !> From the drawing, see geartrain_drawing_gear_pair: numbers of teeth, (2); normal module [m]; normal pressure angle and
       !> helix angle at the reference circle [degree]; face width [m]; profile shifts [1], (2); centre distance [m], 0: without
       !> backlash; tip diameters [m], (2); dedendum of the basic rack over the module [1]; backlash along the working pitch circles

@@ -11,7 +11,7 @@ module geartrain_train_turning
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: turning_type, find_turning
+   public :: turning_type, find_locked, find_turning, lock_by_teeth
 
    !> A relative speed below this share of its terms is 0 [1].
    real(dp), parameter :: rounding = 1e-9_dp
@@ -26,6 +26,8 @@ module geartrain_train_turning
       !> Speed over that of the reference body, signed in one sense, 0 where not determined, (body); speed of the driving gear
       !> against its carrier, (mesh).
       real(dp), allocatable :: speed(:), relative(:)
+      !> Whether gears and carrier turn, but as one, (mesh).
+      logical, allocatable :: locked(:)
       !> Sense of one for all in which the rotation of each body is positive: that in which it turns, 1 or -1, (body).
       integer, allocatable :: sense(:)
    end type turning_type
@@ -46,6 +48,7 @@ contains
       associate (bodies => body_count(train))
          allocate (turning%speed(bodies), turning%relative(size(train%meshes)), source=0.0_dp)
          allocate (turning%sense(bodies), source=0)
+         allocate (turning%locked(size(train%meshes)), source=.false.)
          call find_ends(train, shaft_ends, mesh_ends)
          call find_carriers(train, carrier)
          call rows%setup(bodies, 0)
@@ -81,9 +84,54 @@ contains
          turning%relative(i) = turning%speed(mesh_ends(1, i))
          if (carrier(i) > 0) turning%relative(i) = turning%relative(i) - turning%speed(carrier(i))
          if (abs(turning%relative(i)) <= rounding*abs(turning%speed(mesh_ends(1, i)))) turning%relative(i) = 0
+         if (carrier(i) > 0) turning%locked(i) = abs(turning%speed(carrier(i))) > 0 .and. .not. abs(turning%relative(i)) > 0
       end do
       call find_senses(train, shaft_ends, mesh_ends, carrier, turning)
    end subroutine find_turning
+
+   !> Finds the meshes whose gears turn as one with their carrier.
+   pure subroutine find_locked(train, turning, locked)
+      !> The train; its values may be out of range.
+      type(train_type), intent(in) :: train
+      !> How the bodies turn, where it was found.
+      type(turning_type), intent(inout) :: turning
+      !> Whether they do, (mesh).
+      logical, intent(out) :: locked(:)
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: carrier(size(train%meshes))
+
+      locked = .false.
+      call find_carriers(train, carrier)
+      if (.not. any(carrier > 0)) return
+      if (.not. allocated(turning%locked)) then
+         call find_ends(train, shaft_ends, mesh_ends)
+         if (any(shaft_ends == 0) .or. any(mesh_ends == 0) .or. any(carrier < 0)) return
+         call find_turning(train, turning)
+      end if
+      locked = turning%locked
+   end subroutine find_locked
+
+   !> Whether the teeth of all meshes alone, without shafts and held bodies, keep a gear from turning against its carrier.
+   pure logical function lock_by_teeth(train, gear, arm) result(lock)
+      !> The train; every mesh has two bodies and numbers of teeth or radii.
+      type(train_type), intent(in) :: train
+      !> The bodies.
+      integer, intent(in) :: gear, arm
+      integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      integer :: carrier(size(train%meshes)), i
+      type(rows_type) :: rows
+      logical :: independent
+
+      call find_ends(train, shaft_ends, mesh_ends)
+      call find_carriers(train, carrier)
+      call rows%setup(body_count(train), 0)
+      do i = 1, size(train%meshes)
+         if (train%meshes(i)%is_pair()) &
+            call rows%add(joint_row(mesh_ends(:, i), carrier(i), entries_of(train%meshes(i))), independent)
+      end do
+      call rows%add(row_type([gear, arm], [1.0_dp, -1.0_dp]), independent)
+      lock = .not. independent
+   end function lock_by_teeth
 
    !> Row of a joint of two bodies, with a third entry where it rides on a carrier: all three turning together do not displace it.
    pure type(row_type) function joint_row(ends, carrier, entries) result(row)
