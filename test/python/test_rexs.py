@@ -263,6 +263,7 @@ def test_what_rexs_lacks_is_asked_for(tmp_path):
     ("Stage 1", {"center_distance": None}, "assumed", "centre distance 122 mm, by the positions of the gears"),
     ("Steel", {"density": None}, "missing", "density; that of steel"),
     ("Steel", {"poisson_ratio": ("none", 3.0)}, "assumed", "a Poisson's ratio of 3 is none of a solid; 0.3 (steel)"),
+    ("Steel", {"shear_modulus": ("MPa", 60000.0)}, "assumed", "the shear modulus of 6e+10 N/m^2 as given, though modulus of elas"),
     ("Steel", {"elastic_modulus": ("N / mm^2", 206.0)}, "assumed", "a modulus of elasticity of 2.06e+08 N/m^2 is none of a solid"),
     ("Wheel 1", {"tooth_thickness_deviation_tolerance_series_din_3967_1978": None}, "missing", "c25, as of its mate"),
     ("Wheel 1", {"face_width": None}, "missing", "face width; 42 mm, that of its mate"),
@@ -277,6 +278,11 @@ def test_a_note_says_what_was_assumed(tmp_path, name, attributes, kind, words):
     notes = notes_of(two_stages().change(name + " [", **attributes), tmp_path)
     assert said(notes, kind, words)
     assert not said(notes, "missing", "torque; 0")
+
+
+def test_the_shear_modulus_of_a_file(tmp_path):
+    box = two_stages().change("Steel [", shear_modulus=("MPa", 60000.0))
+    assert {shaft.shear_modulus for shaft in gt.read_rexs(box.write(tmp_path / "gearbox.rexs")).shafts if shaft.length} == {6e10}
 
 
 @pytest.mark.parametrize("angle", [None, 22.5])

@@ -52,6 +52,25 @@ def test_other_tables(tmp_path, delimiter, comma):
     assert gt.read_table(tmp_path / "a.csv").namelist() == gt.read_table(tmp_path / "b.csv").namelist()
 
 
+def test_a_point_beside_decimal_commas(tmp_path):
+    text = REDUCER.replace(",", ";").replace(".", ",")
+    number = re.search(r";(\d+),\d+;", text)
+    assert number
+    thousands = text[:number.start() + 1] + "1.500" + text[number.end() - 1:]
+    (tmp_path / "a.csv").write_text(thousands)
+    with pytest.raises(gt.InputError, match="must be 1500 or 1,500: beside decimal commas a point may separate thousands"):
+        gt.read_table(tmp_path / "a.csv")
+
+
+@pytest.mark.parametrize(("own", "other"), [("kg m^2", "kgm\N{SUPERSCRIPT TWO}"), ("um", "\N{MICRO SIGN}m")])
+def test_units_as_they_are_written(tmp_path, own, other):
+    (tmp_path / "a.csv").write_text(REDUCER)
+    text = REDUCER.replace(f"[{own}]", f"[{other}]")
+    assert text != REDUCER
+    (tmp_path / "b.csv").write_text(text, encoding="utf-8")
+    assert gt.read_table(tmp_path / "a.csv").namelist() == gt.read_table(tmp_path / "b.csv").namelist()
+
+
 def test_a_spreadsheet(tmp_path):
     openpyxl = pytest.importorskip("openpyxl")
     book = openpyxl.Workbook()

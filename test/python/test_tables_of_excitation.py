@@ -15,8 +15,8 @@ def engine(table, teeth=(24, 36), **values):
               gt.Body(name="wheel", inertia=8e-3), gt.Body(name="load", inertia=0.4, balances=True)]
     shafts = [gt.Shaft(between=("engine", "pinion"), stiffness=4e3, damping_ratio=0.05),
               gt.Shaft(between=("wheel", "load"), stiffness=8e3, damping_ratio=0.05)]
-    mesh = gt.Mesh(between=("pinion", "wheel"), teeth=teeth, driving_radius=0.036, driven_radius=0.054, stiffness=2e8,
-                   damping_ratio=0.05)
+    mesh = gt.Mesh(between=("pinion", "wheel"), teeth=teeth, driving_radius=0.036, driven_radius=0.036 * teeth[1] / teeth[0],
+                   stiffness=2e8, damping_ratio=0.05)
     return gt.Train(bodies=bodies, shafts=shafts, meshes=[mesh])
 
 
@@ -152,3 +152,10 @@ def test_sources_are_named():
     assert names[3] == "0.5 x revolution of engine"
     assert names[6].startswith("revolution of pinion")
     assert names[8] == "2 x revolution of wheel"
+
+
+def test_half_orders_belong_to_the_engine():
+    """Also where the wheel turns half as often, and so has the order 0.5 of the engine."""
+    orders = mesh_motion(engine(TABLE, torque_revolutions=2, teeth=(20, 40)), 1500.0).orders()
+    owner = dict(zip(orders.per_revolution.values, orders.owner.values, strict=True))
+    assert [owner[order] for order in (0.5, 1.0, 1.5, 2.0)] == ["0.5 x engine", "engine", "1.5 x engine", "2 x engine"]

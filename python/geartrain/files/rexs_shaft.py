@@ -219,6 +219,12 @@ def _shear_modulus(source: Source, component: Component) -> float:
     material = material_of(source, component)
     modulus = modulus_of(source, component)
     ratio = None if material is None else source.number(material, "poisson_ratio")
+    given = None if material is None else source.number(material, "shear_modulus", least=0.0)
+    if given is not None and modulus != math.inf:
+        if modulus is not None and ratio is not None and not math.isclose(given, modulus / (2 * (1 + ratio)), rel_tol=0.02):
+            source.note("assumed", f"the shear modulus of {given:g} N/m^2 as given, though modulus of elasticity and Poisson's "
+                                   f"ratio make {modulus / (2 * (1 + ratio)):g} N/m^2", material)
+        return given
     if modulus is None:
         _no_material(source, component, "modulus of elasticity")
         modulus = _STEEL_MODULUS

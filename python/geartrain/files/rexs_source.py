@@ -37,6 +37,7 @@ _MEASURED = {
     **dict.fromkeys(("helix_angle_reference_diameter", "normal_pressure_angle"), "angle"),
     "operating_time_fraction": "share", "u_axis_vector": "direction", "rotational_speed": "speed", "torque_around_u_axis": "torque",
     "power": "power", "moment_of_inertia_u_axis": "inertia", "density": "density", "elastic_modulus": "modulus",
+    "shear_modulus": "modulus",
     "rotational_stiffness": "stiffness",
 }
 

@@ -31,8 +31,9 @@ _KINDS = ("train", *PARTS)
 _UNITS = {
     "m": {"mm": 1e-3, "um": 1e-6, "cm": 1e-2}, "kg m^2": {"kg mm^2": 1e-6, "kg cm^2": 1e-4, "g mm^2": 1e-9},
     "N m": {"N mm": 1e-3, "kN m": 1e3}, "N/m": {"N/mm": 1e3, "N/um": 1e6, "kN/mm": 1e6},
-    "N m/rad": {"N mm/rad": 1e-3, "kN m/rad": 1e3},
-    "kg/m^3": {"kg/dm^3": 1e3, "g/cm^3": 1e3}, "N/m^2": {"N/mm^2": 1e6, "MPa": 1e6, "GPa": 1e9}, "kg": {"g": 1e-3}, "degree": {},
+    "N m/rad": {"N mm/rad": 1e-3, "kN m/rad": 1e3}, "rpm": {"1/min": 1.0, "min^-1": 1.0},
+    "kg/m^3": {"kg/dm^3": 1e3, "g/cm^3": 1e3}, "N/m^2": {"N/mm^2": 1e6, "MPa": 1e6, "GPa": 1e9}, "kg": {"g": 1e-3},
+    "degree": {"deg": 1.0, "\N{DEGREE SIGN}": 1.0},
     "rad": {}, "N m s/rad": {}, "N s/m": {}, "rad/s": {},
 }
 
@@ -121,7 +122,7 @@ def _of_text(name: str, data: bytes) -> tuple[Rows, bool]:
         except csv.Error as error:
             raise InputError(f"{name}:{reader.line_num}: error: {error}") from None
 
-    return rows(), delimiter == ";"
+    return rows(), delimiter == ";" and bool(re.search(r"\d,\d", text))
 
 
 def _of_spreadsheet(name: str, data: bytes) -> Rows:
@@ -225,6 +226,9 @@ def _value(row: Variable, cell: Any, unit: str, comma: bool) -> Any:
 
 
 def _number(row: Variable, word: Any, comma: bool) -> float:
+    if comma and isinstance(word, str) and re.fullmatch(r"[+-]?\d{1,3}\.\d{3}", word):
+        ways = f"{word.replace('.', '')} or {word.replace('.', ',')}"
+        raise ValueError(f"{row.name} = {shown(word)}: must be {ways}: beside decimal commas a point may separate thousands")
     try:
         if isinstance(word, bool):
             raise ValueError
@@ -238,10 +242,12 @@ def _number(row: Variable, word: Any, comma: bool) -> float:
 
 def _factor(row: Variable, unit: str) -> float:
     """The unit of a heading over that of its variable."""
+    unit = unit.replace("\N{SUPERSCRIPT TWO}", "^2").replace("\N{SUPERSCRIPT THREE}", "^3").replace("\N{MICRO SIGN}", "u")
     own = next((word[1:-1] for word in row.meaning.split("; ") if word.startswith("[") and word.endswith("]")), "")
     if unit in ("", own):
         return 1.0
-    factor = _UNITS.get(own, {}).get(unit)
+    known = {name.replace(" ", ""): factor for name, factor in {own: 1.0, **_UNITS.get(own, {})}.items()}
+    factor = known.get(unit.replace(" ", "")) if own else None
     if factor is None:
         may = ", ".join([own, *_UNITS.get(own, {})]) if own else "none"
         raise ValueError(f"{row.name} [{unit}]: must be in {may}")
