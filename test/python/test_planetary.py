@@ -374,11 +374,31 @@ def test_turns_have_the_sign_of_their_sense():
     assert numbers["arm"]["turns"] == pytest.approx(17 / 78) and numbers["stage 1 planet 1"]["turns"] < 0
 
 
-def test_a_ratio_of_speeds_without_a_common_period(executable, tmp_path):
-    case = (ROOT / "namelists" / "hybrid.nml").read_text(encoding="utf-8").replace("speed_ratio = 2.0", "speed_ratio = 1.33333333")
-    (tmp_path / "case.nml").write_text(case)
-    said = run(executable, "--check", "case.nml", cwd=tmp_path).stderr
-    assert "speed_ratio = 1.33333333 of &body 4" in said and "as 4/3 = 1.333333333333333" in said
+@pytest.mark.parametrize("ratio", [0.3333, 0.4251, 0.33333, -0.4458, np.pi / 8])
+def test_any_ratio_of_speeds_of_one_set(ratio):
+    """All meshes have one frequency, z_s |n_s - n_c| by Willis, so the order is 1."""
+    bodies = [gt.Body(name="sun", inertia=1e-3, torque=100.0), gt.Body(name="ring", inertia=0.1, balances=True, speed_ratio=ratio),
+              gt.Body(name="arm", inertia=0.08, balances=True)]
+    train = short(teeth=(37, 23, 83), bodies=bodies, planets=4)
+    about = train.explain()
+    assert {about[f"mesh {number}"]["order"] for number in range(1, 9)} == {1}
+    assert about["train"]["speed_ratio"] == pytest.approx(1 / (37 * abs(1 - (37 + 83 * ratio) / 120)), rel=1e-12)
+
+
+@pytest.mark.parametrize(("ratio", "period", "off"), [(4 / 3, 3.0, 0.0), (1.33333333, 3.0, 1e-8), (1.87331234, None, 1e-5)])
+def test_ratios_of_speeds_of_two_sets(ratio, period, off):
+    """Exact, given with eight decimals, or without a common period, which a warning says; frequencies by Willis."""
+    case = gt.read_case(ROOT / "namelists" / "hybrid.nml").train
+    bodies = [replace(body, speed_ratio=ratio) if body.speed_ratio is not None else body for body in case.bodies]
+    with pytest.warns(gt.DrawingWarning, match="no common period; the mesh") if off else _nothing():
+        train = replace(case, bodies=bodies)
+    about = train.explain()
+    period = about["train"]["speed_ratio"] if period is None else period
+    assert about["train"]["speed_ratio"] == pytest.approx(period, rel=1.1 * off)
+    turns = {name: about[name]["turns"] for name in train.body_labels if name != "housing"}
+    for number, mesh in enumerate(train.meshes, 1):
+        wanted = mesh.teeth[0] * abs(turns.get(mesh.between[0], 0.0) - turns.get(mesh.carrier, 0.0))
+        assert about[f"mesh {number}"]["order"] / period == pytest.approx(wanted, rel=max(1e-12, 1.1 * off))
 
 
 def test_masses_of_planets_add_to_the_carrier():

@@ -16,6 +16,7 @@ module geartrain_analyses_response_branch
    use geartrain_network_system, only: system_type
    use geartrain_readings_contact_edges, only: locate_contact_edges
    use geartrain_readings_special_spacing, only: add_points_between
+   use geartrain_readings_summary, only: gaps
    use geartrain_trace_both_ways, only: trace_both_ways
    use geartrain_trace_branch, only: branch_type, coefficients_of, response_settings_type
    use geartrain_trace_corrector, only: solution_point_type
@@ -26,7 +27,7 @@ module geartrain_analyses_response_branch
    use geartrain_trace_points, only: drop_first, is_same_point
    use geartrain_trace_response_variables, only: check_response
    use geartrain_trace_start, only: add_harmonics, begin_trace, motion_at, solution_of
-   use geartrain_trace_tracer, only: cancelled, reached_end, tracer_type
+   use geartrain_trace_tracer, only: cancelled, closed_loop, reached_end, tracer_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -130,6 +131,8 @@ contains
       if (branch%cancelled .and. outcome /= cancelled) outcome = known_start
       if (outcome /= known_start) then
          branch%complete = outcome == reached_end .or. branch%trace%whole .and. followed_out(outcome)
+         ! Loops round either end need not meet.
+         if (outcome == closed_loop) branch%complete = branch%complete .and. size(gaps(branch, [start, stop])) == 0
          branch%ended = 'from '//lambda(start)//': '//branch%ended//'; from '//lambda(stop)//': '//reason
       end if
       ! The trace from `stop` reached the first point of the trace from `start`: it holds all points of the trace from `start`.

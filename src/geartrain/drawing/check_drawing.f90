@@ -334,7 +334,7 @@ contains
       if (.not. found%known) then
          if (checker%problems%in_group('body') .or. checker%problems%in_group('train') .or. &
              checker%problems%in_group('mesh')) return
-         if (all(found%rate(1, :) > 0)) call checker%problems%add('the ratios of the teeth make a fundamental whose orders are &
+         if (found%turning%determined) call checker%problems%add('the ratios of the teeth make a fundamental whose orders are &
             &beyond '//integer_text(most_order)//': give order and the radii in place of the teeth', 'train', 1, names_group=.true.)
          return
       end if

@@ -2,7 +2,6 @@
 module geartrain_network_frequency_unit
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp, pi
-   use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_train_kinematics, only: all_toothed
@@ -36,43 +35,15 @@ contains
       !> The unit.
       character(*), intent(in) :: unit
       class(checker_type), intent(inout) :: checker
-      character(:), allocatable :: words
 
       if (unit == 'Lambda' .or. checker%problems%of_train()) return
       if (lambda_per(train, unit) > 0) return
       if (unit == 'rpm' .and. .not. all_toothed(train)) then
          call checker%complain('unit', "'"//trim(unit)//"'", 'needs teeth of every mesh, which tell the speed: take Lambda or Hz')
       else
-         call find_nearby_ratio(train, words)
-         call checker%complain('unit', "'"//trim(unit)//"'", 'the train as it stands does not tell how fast it turns'//words)
+         call checker%complain('unit', "'"//trim(unit)//"'", 'the train as it stands does not tell how fast it turns')
       end if
    end subroutine check_unit
-
-   !> What is wrong with a ratio of speeds, where one is given: with most decimals the teeth have no common period.
-   pure subroutine find_nearby_ratio(train, words)
-      !> The train as given.
-      type(train_type), intent(in) :: train
-      !> What to add to a message; '' where no ratio is given.
-      character(:), allocatable, intent(out) :: words
-      integer, parameter :: largest = 1000
-      integer :: i, k
-
-      words = ''
-      if (.not. allocated(train%bodies)) return
-      do i = 1, size(train%bodies)
-         if (.not. (train%bodies(i)%ratio_given .and. abs(train%bodies(i)%speed_ratio) < largest)) cycle
-         associate (ratio => train%bodies(i)%speed_ratio)
-            do k = 1, largest - 1
-               if (abs(nint(k*ratio) - k*ratio) < 0.5_dp*k/largest) exit
-            end do
-            if (abs(nint(k*ratio) - k*ratio) <= 4*k*spacing(ratio)) cycle
-            words = ': with speed_ratio = '//real_text(ratio)//' of &body '//integer_text(i)// &
-                    ' the teeth have no common period within 1000000 cycles; a ratio of smaller numbers has one, as '// &
-                    integer_text(nint(k*ratio))//'/'//integer_text(k)//' = '//real_text(real(nint(k*ratio), dp)/k)
-            return
-         end associate
-      end do
-   end subroutine find_nearby_ratio
 
    !> Lambda per 1 of a unit; 0: not known.
    pure real(dp) function lambda_per(train, unit)

@@ -119,13 +119,19 @@ contains
       type(train_type), intent(in) :: train
       type(text_type), allocatable, intent(inout) :: warnings(:)
       type(kinematics_type) :: found
+      character(:), allocatable :: words
       integer :: fastest
 
       call find_kinematics(train, found)
       if (.not. found%order_error > 0) return
       fastest = maxloc(found%order, 1)
-      call add_warning(warnings, 'mesh', fastest, 'by the teeth all meshes together repeat themselves after '// &
-                       integer_text(found%exact_order(fastest))//' cycles of this mesh; the mesh frequencies are taken '// &
+      if (found%exact_order(fastest) == 0) then
+         words = 'by speed_ratio the meshes have no common period'
+      else
+         words = 'by the teeth all meshes together repeat themselves after '//integer_text(found%exact_order(fastest))// &
+                 ' cycles of this mesh'
+      end if
+      call add_warning(warnings, 'mesh', fastest, words//'; the mesh frequencies are taken '// &
                        short(found%order_error)//' off at most (relative), by which they repeat themselves after '// &
                        integer_text(found%order(fastest)))
    end subroutine warn_of_nearby_orders

@@ -149,6 +149,11 @@ contains
       integer :: i
 
       associate (k => context%kinematics, bodies => context%given%bodies)
+         if (all(k%fundamental == 0)) then
+            words = short(context%plain%speed_ratio)//' turns of '//trim(speed_name(context))
+            if (k%order_error > 0) words = 'about '//words
+            return
+         end if
          if (k%order_error > 0) then
             words = 'about '//integer_text(nint(context%plain%speed_ratio))//' turns of '//trim(speed_name(context))// &
                     ', by the teeth '//integer_text(int(k%fundamental(2)))
@@ -334,8 +339,11 @@ contains
          words = as_given
          if (mesh%order == 0) words = 'mesh frequency over the fundamental frequency, '// &
                                       trim(merge('from the teeth', 'default       ', context%toothed))
-         if (context%kinematics%order_error > 0) words = words//', which make it the multiple '// &
-            integer_text(context%kinematics%exact_order(i))//' of their own fundamental'
+         if (context%kinematics%order_error > 0) then
+            if (context%kinematics%exact_order(i) == 0) words = words//' and speed_ratio, nearly: they have no common period'
+            if (context%kinematics%exact_order(i) > 0) words = words//', which make it the multiple '// &
+               integer_text(context%kinematics%exact_order(i))//' of their own fundamental'
+         end if
          order = plain%order
          if (plain%locked) then
             order = 0

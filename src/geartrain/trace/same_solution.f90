@@ -14,6 +14,8 @@ module geartrain_trace_same_solution
    !> Solution points closer than this in the metric of the branch are equal [units_type]. Two searches that end at one point agree
    !> to some 1e-6 only, so the tolerance of geartrain_balance_same_motion would be too small.
    real(dp), parameter :: same = 1e-3_dp
+   !> Distances in Lambda up to which they may be: as a share of Lambda, and what searches agree to with ample room [units_type].
+   real(dp), parameter :: as_share = 0.01_dp, agreement = 1e-5_dp
    !> Directions whose angle has a larger cosine than this are equal.
    real(dp), parameter :: parallel = 0.7_dp
 
@@ -108,7 +110,11 @@ contains
       integer :: i, k, shift
 
       same_solution = .false.
-      if (abs(one%frequency_ratio - other%frequency_ratio) >= same*units%frequency_ratio) return
+      associate (apart_by => abs(one%frequency_ratio - other%frequency_ratio))
+         if (apart_by >= same*units%frequency_ratio) return
+         ! Of a train with soft shafts that is far in relation to Lambda.
+         if (apart_by >= max(as_share*abs(one%frequency_ratio), agreement*units%frequency_ratio)) return
+      end associate
       do shift = 0, period - 1
          apart = ((one%frequency_ratio - other%frequency_ratio)/units%frequency_ratio)**2
          along = one%tangent_frequency*other%tangent_frequency/units%frequency_ratio**2

@@ -129,22 +129,29 @@ contains
    end function curve_error
 
    !> Whether the next step closes the branch: `origin` lies ahead, within the step and near to the guess of a step to it.
-   logical function closes(corrector, before, here, origin, h, gap)
+   logical function closes(corrector, before, here, origin, met, h, gap)
       type(corrector_type), intent(in) :: corrector
       !> The point before the latest one, see `predict`; the latest point and the first point of the branch, with their tangents.
       type(solution_point_type), intent(in) :: before, here, origin
+      !> Lambda of the points of the branch [1].
+      real(dp), intent(in) :: met(:)
       !> Length of the next step, in the metric of the branch [1].
       real(dp), intent(in) :: h
       !> Distance from `here` to `origin` along the tangent at `here` [1].
       real(dp), intent(out) :: gap
       type(solution_point_type) :: guess
-      real(dp) :: base
+      real(dp) :: base, along(2)
 
       gap = way_to(here, origin, corrector%units)
       closes = gap > 0 .and. gap <= h .and. cosine(here, origin, corrector%units) > cosine_limit
+      closes = closes .and. .not. crosses_branch(here, origin)
       if (.not. closes) return
       call predict(corrector, before, here, gap, guess, base)
       closes = corrector%length_of(origin%u - guess%u, origin%frequency_ratio - guess%frequency_ratio) < correction_limit*gap
+      ! Of a train with soft shafts the whole range of Lambda may be short in the metric, and the motions at its ends alike.
+      along = abs([origin%frequency_ratio, guess%frequency_ratio] - here%frequency_ratio)
+      closes = closes .and. abs(origin%frequency_ratio - guess%frequency_ratio) &
+               < correction_limit*max((maxval(met) - minval(met))/10, maxval(along))
    end function closes
 
    !> Length of the next step [1]: aims at `angle_aim`, `correction_aim` and `curve_aim`. The first Newton correction over the step

@@ -213,7 +213,7 @@ contains
          before = branch%points
          call self%relax(here, origin, h)
          if (.not. carries_same(here, next)) call at_here%find(self%corrector, self%recorder%transform, here)
-         if (steps > 3) closing = closes(self%corrector, self%before, here, origin, h, gap) .and. .not. crosses_branch(here, origin)
+         if (steps > 3) closing = closes(self%corrector, self%before, here, origin, branch%frequency_ratio(:branch%points), h, gap)
          if (closing) h = gap
 
          ! Last in the loop: the observer may write the branch to a checkpoint, from which another run goes on by branch%trace.

@@ -20,6 +20,12 @@ module geartrain_train_kinematics
 
    !> Largest whole number of a ratio: the product of two such numbers and a number of teeth does not overflow.
    integer(int64), parameter :: most = 2_int64**22
+   !> Cycles of the fastest mesh up to which speeds that are no such ratios are tried for a common period, and cycles of which
+   !> frequencies without one are taken as multiples.
+   integer, parameter :: fewest_cycles = 1000, fine_cycles = 10**9
+   !> Relative difference of a frequency from a multiple of the fundamental that is rounding, and that a ratio has which is given
+   !> with eight digits [1].
+   real(dp), parameter :: rounding = 1e-11_dp, given_ratio = 1e-7_dp
 
    type :: kinematics_type
       !> Whether orders and speeds were found; .false. also where a number exceeds 2^22.
@@ -27,7 +33,7 @@ module geartrain_train_kinematics
       !> How the bodies turn.
       type(turning_type) :: turning
       !> Turns per turn of the body whose revolutions are the speed, as numerator >= 0 and denominator, (2, body); turns of this
-      !> body per period of the fundamental are fundamental(2)/fundamental(1).
+      !> body per period of the fundamental are fundamental(2)/fundamental(1). They are 0 where speeds are no such ratios.
       integer(int64), allocatable :: rate(:, :)
       integer(int64) :: fundamental(2) = [1_int64, 1_int64]
       !> Mesh frequency and revolution of a body as multiples of the fundamental, (mesh) and (body); order is 0 of a mesh whose
@@ -36,7 +42,8 @@ module geartrain_train_kinematics
       !> bearing pass.
       integer, allocatable :: order(:), revolution_order(:)
       !> The mesh frequencies are not quite those of the teeth, so that their period has fewer cycles: order of each mesh by
-      !> the teeth, (mesh), and largest relative error of a frequency [1]; not allocated and 0 where they are exact.
+      !> the teeth, 0 where they have no common period, (mesh), and largest relative error of a frequency [1]; not allocated and
+      !> 0 where they are exact.
       integer, allocatable :: exact_order(:)
       real(dp) :: order_error = 0
       !> Number of the body whose revolutions are the speed, 0: no body has the name; its turns per period of the fundamental [1].
@@ -69,13 +76,7 @@ contains
       !> Speeds and orders.
       type(kinematics_type), intent(out) :: found
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
-      integer :: carrier(size(train%meshes)), i, j
-      !> Mesh frequencies, and revolutions of bodies with a torque of their own, per turn of the speed, (2, mesh or body).
-      integer(int64) :: engaging(2, size(train%meshes)), signed(2, body_count(train)), &
-         revolving(2, body_count(train))
-      type(planetary_set_type), allocatable :: sets(:)
-      !> The fundamental.
-      integer(int64) :: divisor, common
+      integer :: carrier(size(train%meshes))
 
       allocate (found%rate(2, body_count(train)), source=0_int64)
       allocate (found%order(size(train%meshes)), found%revolution_order(body_count(train)), source=0)
@@ -86,6 +87,24 @@ contains
       call find_turning(train, found%turning)
       found%speed_body = found%turning%reference
       if (.not. found%turning%determined) return
+      call find_exact_orders(train, mesh_ends, carrier, found)
+      if (.not. found%known) call find_orders_of_speeds(train, found)
+   end subroutine find_kinematics
+
+   !> Finds the orders of speeds that are ratios of whole numbers up to 2^22; else not `known`.
+   pure subroutine find_exact_orders(train, mesh_ends, carrier, found)
+      type(train_type), intent(in) :: train
+      !> Bodies of each mesh, (2, mesh), and its carrier, 0: none, (mesh).
+      integer, intent(in) :: mesh_ends(:, :), carrier(:)
+      type(kinematics_type), intent(inout) :: found
+      integer :: i, j
+      !> Mesh frequencies, and revolutions of bodies with a torque of their own, per turn of the speed, (2, mesh or body).
+      integer(int64) :: engaging(2, size(train%meshes)), signed(2, body_count(train)), &
+         revolving(2, body_count(train))
+      type(planetary_set_type), allocatable :: sets(:)
+      !> The fundamental.
+      integer(int64) :: divisor, common
+
       do i = 1, size(signed, 2)
          signed(:, i) = ratio_of(found%turning%speed(i))
       end do
@@ -98,8 +117,7 @@ contains
          if (any(engaging(:, i) /= engaged(i, 2)*[merge(1_int64, -1_int64, train%meshes(i)%internal), 1_int64])) return
          engaging(1, i) = abs(engaging(1, i))
       end do
-      found%rate = abs(signed)
-      revolving = found%rate
+      revolving = abs(signed)
       call find_sets(train, sets)
       do j = 1, size(sets)
          do i = 1, size(sets(j)%planets)
@@ -140,6 +158,7 @@ contains
          if (multiple(revolving(:, i)) > most) return
          found%revolution_order(i) = int(multiple(revolving(:, i)))
       end do
+      found%rate = abs(signed)
       found%fundamental = [divisor, common]
       found%speed_ratio = real(common, dp)/real(divisor, dp)
       found%known = .true.
@@ -173,7 +192,62 @@ contains
          frequency = frequency/greatest_divisor(abs(frequency(1)), frequency(2))
       end function engaged
 
-   end subroutine find_kinematics
+   end subroutine find_exact_orders
+
+   !> Finds the orders of speeds that are no ratios of small whole numbers, as by a measured `speed_ratio`: those of the fewest
+   !> cycles in which all repeats itself to the digits of such a ratio, else nearby ones.
+   pure subroutine find_orders_of_speeds(train, found)
+      type(train_type), intent(in) :: train
+      type(kinematics_type), intent(inout) :: found
+      real(dp) :: engaging(size(train%meshes)), revolving(body_count(train)), fastest
+      type(planetary_set_type), allocatable :: sets(:)
+      integer :: multiple(size(train%meshes)), i, j, cycles
+
+      engaging = 0
+      revolving = abs(found%turning%speed)
+      call find_sets(train, sets)
+      do j = 1, size(sets)
+         revolving(sets(j)%planets) = abs(found%turning%speed(sets(j)%planets) - found%turning%speed(sets(j)%carrier))
+      end do
+      do i = 1, size(train%meshes)
+         if (train%meshes(i)%is_pair()) engaging(i) = abs(found%turning%relative(i))*train%meshes(i)%teeth(1)
+         multiple(i) = cycles_of_errors(train%meshes(i))
+      end do
+      do i = 1, size(revolving)
+         if (.not. turns(train, i)) revolving(i) = 0
+         if (.not. revolving(i) > 0) cycle
+         if (has_table_of_torque(train%bodies(i))) revolving(i) = revolving(i)/train%bodies(i)%torque_revolutions
+      end do
+      fastest = maxval([engaging, revolving])
+      found%known = .true.
+      found%fundamental = 0
+      found%speed_ratio = 1
+      if (.not. fastest > 0) return
+      do cycles = 1, fewest_cycles
+         if (maxval(off_whole([engaging/multiple, revolving]*(cycles/fastest))) < given_ratio) exit
+      end do
+      if (cycles > fewest_cycles) cycles = fine_cycles
+      found%order = nint(engaging*(cycles/fastest))
+      found%revolution_order = nint(revolving*(cycles/fastest))
+      found%speed_ratio = cycles/fastest
+      if (cycles < fine_cycles) then
+         found%order_error = maxval(off_whole([engaging, revolving]*(cycles/fastest)))
+         if (found%order_error < rounding) found%order_error = 0
+         if (found%order_error > 0) allocate (found%exact_order(size(found%order)))
+      else
+         call go_nearby(found, multiple)
+         found%known = allocated(found%exact_order)
+      end if
+      if (allocated(found%exact_order)) found%exact_order = 0
+   end subroutine find_orders_of_speeds
+
+   !> Relative difference of an order from a whole number above 0; 0 where it is 0 itself.
+   elemental real(dp) function off_whole(order)
+      real(dp), intent(in) :: order
+
+      off_whole = 0
+      if (order > 0) off_whole = abs(order - max(1, nint(order)))/order
+   end function off_whole
 
    !> Mesh cycles in which the gears with errors make whole revolutions.
    pure integer function cycles_of_errors(mesh) result(cycles)
