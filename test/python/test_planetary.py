@@ -452,3 +452,59 @@ def test_a_number_of_planets_out_of_range_is_told_at_once(tmp_path):
     path.write_text(f"&train /\n{bodies}{members}, planets = 1000000000, normal_module = 2.5e-3, face_width = 0.03 /\n&modes /\n")
     with pytest.raises(gt.InputError, match="planets = 1000000000: must be >= 2 and <= 1000"):
         gt.read_case(path)
+
+
+def rows(angles):
+    """Stepped planets: planets of one set mesh with the sun, those of the other with the ring."""
+    bodies = [gt.Body(name="sun", inertia=1e-3, torque=50.0), gt.Body(name="arm", inertia=0.05, balances=True),
+              gt.Body(name="ring", held=True)]
+    common = {"carrier": "arm", "normal_module": 2e-3, "face_width": 0.02, "damping_ratio": 0.05, "backlash": 60e-6}
+    return gt.Train(bodies=bodies, planetaries=[
+        gt.Planetary(name="big", sun="sun", teeth=(20, 50, 0), planets=3, **common),
+        gt.Planetary(name="small", ring="ring", teeth=(0, 20, 90), angles=angles, **common),
+    ], shafts=[gt.Shaft(between=(f"big planet {n}", f"small planet {n}"), rigid=True) for n in (1, 2, 3)])
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+@pytest.mark.parametrize("angles", [(0, 120, 240), (0, 240, 120), (30, 150, 270)])
+def test_stepped_planets(angles):
+    """By Willis: with the ring held the sun turns 1 + z_p z_r/(z_s z_q) times as fast as the carrier."""
+    assert rows(angles).explain()["arm"]["turns"] == pytest.approx(1 / (1 + 50 * 90 / (20 * 20)), rel=1e-12)
+
+
+def test_stepped_planets_at_two_places():
+    with pytest.raises(gt.InputError, match="must put the planets at the places of the planets of 'big'"):
+        rows((0, 60, 240))
+
+
+def test_a_bore_of_planets_is_told_once(executable, tmp_path):
+    case = (ROOT / "namelists" / "planetary.nml").read_text(encoding="utf-8").replace("planet_bore = 0.030", "planet_bore = 30")
+    (tmp_path / "case.nml").write_text(case)
+    told = run(executable, "--check", "case.nml", cwd=tmp_path).stderr.splitlines()
+    assert len(told) == 1 and "planet_bore = 30.0: must be < 0.09 m" in told[0]
+
+
+def test_a_warning_of_several_meshes_is_one():
+    bodies = [gt.Body(name="sun", inertia=1e-3, torque=50.0), gt.Body(name="arm", held=True),
+              gt.Body(name="ring", inertia=0.1, balances=True)]
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        gt.Train(bodies=bodies, planetaries=[gt.Planetary(
+            name="a", sun="sun", ring="ring", carrier="arm", teeth=(15, 24, 63), planets=3, face_width=0.02, **COMMON)])
+    undercut = [str(each.message) for each in caught if "undercut" in str(each.message)]
+    assert len(undercut) == 1 and undercut[0].startswith("&mesh 1 to 3: ")
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_a_set_that_idles_has_no_load_share():
+    """A Simpson set in second gear: the rear set rattles, and what integration leaves of its mean forces is no load."""
+    bodies = [gt.Body(name="front ring", inertia=0.26, torque=400.0), gt.Body(name="sun", held=True),
+              gt.Body(name="output", inertia=0.5, balances=True), gt.Body(name="rear carrier", inertia=0.01)]
+    common = {"sun": "sun", "teeth": (28, 17, 62), "planets": 3, "normal_module": 1.6e-3, "face_width": 0.025, "helix_angle": 20.0,
+              "damping_ratio": 0.05, "planet_bore": 0.012, "backlash": 80e-6, "sun_error_cos": 2e-6, "ring_error_cos": 2e-6}
+    train = gt.Train(bodies=bodies, planetaries=[gt.Planetary(name="front", ring="front ring", carrier="output", **common),
+                                                 gt.Planetary(name="rear", ring="output", carrier="rear carrier", **common)])
+    motion = train.integrate(2000.0, unit="rpm")
+    assert motion.separation_fraction[6:].max() > 0
+    assert np.isfinite(motion.load_share[:3]).all() and np.isnan(motion.load_share[3:]).all()
+    assert np.isnan(motion.load_share_maximum[3:]).all()

@@ -197,6 +197,9 @@ contains
                         &where teeth rattle without a load'
             end if
             reason = reason//note_of(can_float(tracer%system))
+            if (can_float(tracer%system) .and. any(abs(tracer%system%static_force(tracer%system%mesh_element)) > 0)) &
+               reason = reason//'; without backlash in the meshes that idle, their teeth stay in contact and the others have their &
+                        &response'
             return
          end if
          if (branch%points > 0) then

@@ -13,11 +13,13 @@ module geartrain_drawing_check_planetary
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_set
+   public :: check_rows, check_set
 
    !> Difference of the centre distances of sun meshes and ring meshes that is rounding of a drawing, over the module; distance of
    !> an angle from one at which a planet can be assembled, in steps of 1/(z_s + z_r) turns [1].
    real(dp), parameter :: rounding = 1e-3_dp, step_rounding = 1e-2_dp
+   !> Difference of two angles that is rounding of given decimals [turns].
+   real(dp), parameter :: same_angle = 1e-4_dp
    !> Profile shift that gears are hardly made with [1].
    real(dp), parameter :: most_shift = 2
 
@@ -53,6 +55,62 @@ contains
       end associate
       call checker%leave()
    end subroutine check_set
+
+   !> Planets that shafts join with planets of another set, as stepped planets, stand at the angles of those.
+   subroutine check_rows(sets, index, numbers, train, checker)
+      !> All sets of the train as given; those so far are in order.
+      type(planetary_type), intent(in) :: sets(:)
+      !> Number of the set.
+      integer, intent(in) :: index
+      !> Numbers of the set.
+      type(set_type), intent(in) :: numbers
+      !> The train, with its shafts.
+      type(train_type), intent(in) :: train
+      class(checker_type), intent(inout) :: checker
+      type(set_type) :: others
+      integer, allocatable :: pairs(:, :)
+      integer :: other
+
+      do other = 1, index - 1
+         if (sets(other)%carrier /= sets(index)%carrier) cycle
+         call others%setup(sets(other))
+         call find_joined(sets(index), numbers%planets, sets(other), others%planets, train, pairs)
+         if (size(pairs, 2) < 2) cycle
+         associate (own => numbers%turn(pairs(1, :)) - numbers%turn(pairs(1, 1)), &
+                    its => others%turn(pairs(2, :)) - others%turn(pairs(2, 1)))
+            ! The suns of both may turn in opposite senses, in which the angles count.
+            if (all(abs(own - its - anint(own - its)) < same_angle)) cycle
+            if (all(abs(own + its - anint(own + its)) < same_angle)) cycle
+         end associate
+         call checker%enter('planetary', index)
+         call checker%complain(trim(merge('angles ', 'planets', is_given(sets(index)%angles))), '...', "must put the planets at &
+            &the places of the planets of '"//trim(sets(other)%name)//"', with which shafts join them")
+         call checker%leave()
+      end do
+   end subroutine check_rows
+
+   !> Planets of two sets that shafts join.
+   pure subroutine find_joined(one, planets, other, others, train, pairs)
+      type(planetary_type), intent(in) :: one, other
+      !> Numbers of planets of both.
+      integer, intent(in) :: planets, others
+      type(train_type), intent(in) :: train
+      !> Numbers of planets that are joined, (2, pair).
+      integer, allocatable, intent(out) :: pairs(:, :)
+      integer :: i, k, m, found(2, size(train%shafts)), n
+
+      n = 0
+      do i = 1, size(train%shafts)
+         do k = 1, 2
+            m = findloc([(planet_name(one, m) == train%shafts(i)%between(k), m=1, planets)], .true., 1)
+            if (m == 0) cycle
+            found(:, n + 1) = [m, findloc([(planet_name(other, m) == train%shafts(i)%between(3 - k), m=1, others)], .true., 1)]
+            if (found(2, n + 1) > 0) n = n + 1
+            exit
+         end do
+      end do
+      pairs = found(:, :n)
+   end subroutine find_joined
 
    !> The set has a name of its own, and names bodies.
    subroutine check_names(sets, index, numbers, train, checker)

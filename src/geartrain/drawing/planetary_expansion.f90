@@ -5,7 +5,7 @@ module geartrain_drawing_planetary_expansion
    use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_numbers, only: integer_text, whole
-   use geartrain_drawing_check_planetary, only: check_set
+   use geartrain_drawing_check_planetary, only: check_rows, check_set
    use geartrain_drawing_planetary_meshes, only: planet_name, ring_lag, ring_meshes, set_type, sun_meshes
    use geartrain_train_bearing_rows, only: add_rows
    use geartrain_train_body, only: body_type
@@ -76,7 +76,10 @@ contains
          call numbers%setup(sets(i))
          call check_set(sets, i, numbers, train, checker)
          expansion%failed = checker%problems%in_group('planetary')
-         if (checker%problems%count == before .and. .not. expansion%failed) call put_set(i)
+         if (checker%problems%count == before .and. .not. expansion%failed) then
+            call check_rows(sets, i, numbers, train, checker)
+            call put_set(i)
+         end if
       end do
 
    contains
@@ -117,7 +120,7 @@ contains
       real(dp) :: mass
 
       mass = set%planet_mass
-      if (mass < 0) mass = pi*set%density*set%face_width*(pitch_diameter(set)**2 - set%planet_bore**2)/4
+      if (mass < 0) mass = pi*set%density*set%face_width*max(0.0_dp, pitch_diameter(set)**2 - set%planet_bore**2)/4
       inertia = numbers%planets*mass*numbers%centre_distance**2
    end function carried_inertia
 

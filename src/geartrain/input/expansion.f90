@@ -26,7 +26,11 @@ contains
             if (problem%group == 'mesh' .and. problem%index <= size(expansion%set_of_mesh)) &
                set = expansion%set_of_mesh(problem%index)
             if (set > 0) then
-               if (problem%group == 'body') then
+               if (problem%group == 'mesh' .and. problem%name == 'bore') then
+                  ! Of all gears of a set the planets alone have a bore.
+                  problem%name = 'planet_bore'
+                  problem%text = 'planet_bore'//problem%text(index(problem%text, ' = '):)
+               else if (problem%group == 'body') then
                   problem%text = 'planet: '//problem%text
                   if (problem%name == 'inertia') problem%name = 'planet_inertia'
                else if (expansion%kind_of_mesh(problem%index) == sun_meshes) then

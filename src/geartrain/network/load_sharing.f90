@@ -13,6 +13,8 @@ module geartrain_network_load_sharing
 
    !> Sum of the mean forces of a set that counts as rounding, over the sum of their magnitudes [1].
    real(dp), parameter :: rounding = 1e-9_dp
+   !> This sum of a set that rattles without load, over the sum of its largest forces [1]: what a finite time leaves of 0.
+   real(dp), parameter :: idle = 1e-5_dp
 
    type :: sharing_type
       !> Mesh whose force is the load of each planet, number of its set, and body that is the planet, (planet): all planets of the
@@ -74,7 +76,8 @@ contains
       integer :: n
 
       total = [(sum(mean, self%set == self%set(n)), n=1, size(mean))]
-      where (abs(total) <= rounding*[(sum(abs(mean), self%set == self%set(n)), n=1, size(mean))]) &
+      where (abs(total) <= rounding*[(sum(abs(mean), self%set == self%set(n)), n=1, size(mean))] .or. &
+             abs(total) <= idle*[(sum(largest, self%set == self%set(n)), n=1, size(mean))]) &
          total = ieee_value(1.0_dp, ieee_quiet_nan)
       share = mean/total
       share_maximum = largest/abs(total)

@@ -70,21 +70,12 @@ contains
          if (sets(s)%sun > 0 .and. sets(s)%ring > 0) call compare(sets(s)%sun_meshes(1), sets(s)%ring_meshes(1))
          if (sets(s)%sun > 0) call weigh(sets(s), sets(s)%sun_meshes(1))
          do t = s + 1, size(sets)
-            if (sets(t)%carrier == sets(s)%carrier .and. on_one_axis(sets(s)%planets(1), sets(t)%planets(1))) &
+            if (sets(t)%carrier == sets(s)%carrier .and. on_one_axis(shaft_ends, sets(s)%planets(1), sets(t)%planets(1))) &
                call compare(sets(s)%meshes(1, 1), sets(t)%meshes(1, 1))
          end do
       end do
 
    contains
-
-      !> Whether two bodies are one, or joined by a shaft.
-      pure logical function on_one_axis(one, other)
-         integer, intent(in) :: one, other
-         integer :: i
-
-         on_one_axis = one == other .or. any([(all(shaft_ends(:, i) == [one, other] .or. shaft_ends(:, i) == [other, one]), &
-                                              i=1, size(shaft_ends, 2))])
-      end function on_one_axis
 
       subroutine compare(one, other)
          integer, intent(in) :: one, other
@@ -128,6 +119,17 @@ contains
       end subroutine tell
 
    end subroutine warn_of_places
+
+   !> Whether two bodies are one, or joined by a shaft.
+   pure logical function on_one_axis(shaft_ends, one, other)
+      !> Bodies at the ends of the shafts, (2, shaft).
+      integer, intent(in) :: shaft_ends(:, :)
+      integer, intent(in) :: one, other
+      integer :: i
+
+      on_one_axis = one == other .or. any([(all(shaft_ends(:, i) == [one, other] .or. shaft_ends(:, i) == [other, one]), &
+                                           i=1, size(shaft_ends, 2))])
+   end function on_one_axis
 
    !> Warns of phases that no angles of planets give. Turned from one planet to another, a set is the same a while later: by that
    !> all meshes of the planet lag behind their likes, z_s psi cycles by the angle psi [turns]. Places that fit are 1/(z_s + z_r)
@@ -191,7 +193,7 @@ contains
             call add_warning(warnings, 'mesh', i, 'phase: '//trim(labels(i))//' lags '//short(modulo(found, 1.0_dp))// &
                              ' cycles behind '//trim(labels(like))//', but '//trim(labels(other))//' lags '// &
                              short(modulo(wanted, 1.0_dp))//' behind '//trim(labels(first))//': by the place of the planet both &
-                             &are equal')
+                             &are equal, as with phase = '//short(modulo(train%meshes(like)%phase + 2*pi*wanted, 2*pi)))
          end associate
       end subroutine compare
 
