@@ -1,5 +1,6 @@
 """Planetary sets in short form: as the set written by hand, and phases by the geometry of the teeth."""
 
+import re
 import warnings
 from dataclasses import replace
 
@@ -508,3 +509,16 @@ def test_a_set_that_idles_has_no_load_share():
     assert motion.separation_fraction[6:].max() > 0
     assert np.isfinite(motion.load_share[:3]).all() and np.isnan(motion.load_share[3:]).all()
     assert np.isnan(motion.load_share_maximum[3:]).all()
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_the_largest_force_is_named():
+    """Planet 2 bears the most, and so has the smallest largest force over its mean."""
+    train = short(teeth=(20, 20, 60), planets=5, planet_errors=(0, 8e-6, 1e-6, 0.5e-6, 1.5e-6), sun_stiffness_cos=0.2,
+                  ring_stiffness_cos=0.2)
+    branch = train.response(start=2000, stop=2300, unit="rpm", harmonics=0, tolerance=1e-3)
+    largest = np.nanmax(branch.mesh_force_maximum, axis=0)
+    mesh = int(largest.argmax())
+    assert mesh == 1
+    said = re.sub(r"\s+", " ", str(branch))
+    assert re.search(rf"2 \(stage 1 sun 2\)[^:]*: largest force {float(f'{largest[mesh]:.4g}'):.0f} N", said)

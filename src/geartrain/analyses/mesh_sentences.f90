@@ -64,6 +64,10 @@ contains
             if (k > most) exit
          end do
          shown(order(i:)) = .false.
+         ! The largest force of all may be of a mesh whose mean is large as well.
+         i = maxloc([(load(j, largest(j))%force_maximum, j=1, size(load, 1))], 1)
+         where (first == first(i)) shown = .true.
+         if (count(.not. shown) == 1) shown = .true.
       end if
       do i = 1, size(load, 1)
          if (.not. shown(i) .or. any(shown(:i - 1) .and. first(:i - 1) == first(i))) cycle
@@ -79,11 +83,10 @@ contains
          call sheet%say(in_result, words//sentence(i)%text//'.')
       end do
       if (all(shown)) return
-      associate (next => order(count(shown) + 1))
+      associate (factor => maxval([(load(i, largest(i))%dynamic_factor, i=1, size(load, 1))], .not. shown))
          words = 'The other '//counted(count(.not. shown), 'mesh', 'meshes')//': largest force '// &
                  significant(maxval([(load(i, largest(i))%force_maximum, i=1, size(load, 1))], .not. shown))//' N'
-         if (load(next, largest(next))%dynamic_factor >= 0) words = words//', at most '// &
-            significant(load(next, largest(next))%dynamic_factor)//' times the mean'
+         if (factor >= 0) words = words//', at most '//significant(factor)//' times the mean'
       end associate
       k = count([(contact(i)%text /= '' .and. index(contact(i)%text, 'keeps contact') == 0, i=1, size(contact))] &
                 .and. .not. shown)
