@@ -143,7 +143,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
         "back_phase": Variable("back_phase", "real", "float", 0.0, False, "Lag of kappa of the back flanks behind kappa of the drive flanks, in the mesh cycle; [rad]"),
         "contact_ratio": Variable("contact_ratio", "real", "float", None, False, "Gives kappa as the rectangular wave of the number of tooth pairs in contact, in place of stiffness_cos and stiffness_sin. At phase = 0 the time with the extra pair is centred at the beginning of the cycle if the integer part of the ratio is odd, else at half the cycle; > 1 and <= 10"),
         "stiffness_harmonics": Variable("stiffness_harmonics", "integer", "int", 5, False, "Number of harmonics taken of the rectangular wave; 1 to 1000"),
-        "phase": Variable("phase", "real", "float", 0.0, False, "Lag of kappa and of all errors, in the mesh cycle; [rad]"),
+        "phase": Variable("phase", "real", "float", 0.0, False, "Lag of kappa and of all errors, in the mesh cycle; 0 of a mesh of planets of a set: as their place behind the first planet makes it; [rad]"),
         "error_cos": Variable("error_cos", "reals", "Series", None, False, "Cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to the mesh displacement; its sign and phase against the stiffness matter; [m]"),
         "error_sin": Variable("error_sin", "reals", "Series", None, False, "Sine amplitudes, harmonics 1, 2, ...; [m]"),
         "error_table": Variable("error_table", "reals", "Series", None, False, "Transmission error at 4 or more equidistant instants of a mesh cycle, joined by a trigonometric polynomial, in place of error_cos and error_sin; its mean adds to error_mean; [m]; -1 to 1"),

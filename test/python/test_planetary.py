@@ -251,18 +251,22 @@ def test_phases_that_no_places_of_planets_give(places, ring_places, said):
     assert found == [] if said == "" else found and said in found[0]
 
 
-@pytest.mark.parametrize(("old", "new", "said"), [
-    ("name = 'pair 2', ", "name = 'pair 2', phase = 2.1, ", ""),
-    (", phase = 2.0943951023931953", "", "pair 2 lags 0.0 cycles behind pair 1, but short sun 2 lags 0.333333 behind short sun 1"),
-    ("2.0943951023931953", "4.1887902047863905", "pair 2 lags 0.666667 cycles"),
+@pytest.mark.parametrize(("phase", "said"), [
+    (2.1, ""), (4.1887902047863905, "pair 2 lags 0.666667 cycles behind pair 1, but short sun 2 lags 0.333333 behind short sun 1"),
 ])
-def test_phases_of_meshes_between_planets(executable, tmp_path, old, new, said):
+def test_phases_of_meshes_between_planets(executable, tmp_path, phase, said):
+    """Two decimals are enough; a place that the planet does not have is warned of, with the phase that it has."""
     case = (ROOT / "namelists" / "ravigneaux.nml").read_text(encoding="utf-8")
-    if said == "":
-        case = case.replace(", phase = 2.0943951023931953", "")  # two decimals are enough
-    (tmp_path / "case.nml").write_text(case.replace(old, new))
+    (tmp_path / "case.nml").write_text(case.replace("name = 'pair 2', ", f"name = 'pair 2', phase = {phase}, "))
     warned = [line for line in run(executable, "--check", "case.nml", cwd=tmp_path).stderr.splitlines() if "phase:" in line]
-    assert warned == [] if said == "" else len(warned) == 1 and said in warned[0]
+    assert warned == [] if said == "" else len(warned) == 1 and said in warned[0] and "phase = 2.094395" in warned[0]
+
+
+def test_meshes_between_planets_have_the_phases_of_their_places():
+    """Where they have none of their own: 31 psi cycles at psi turns, from the first, which may have one."""
+    train = gt.read_case(ROOT / "namelists" / "ravigneaux.nml").train
+    pairs = [mesh for mesh in train.meshes if mesh.name.startswith("pair")]
+    assert [mesh.phase for mesh in pairs] == pytest.approx([0.0, 2 * np.pi * (31 / 3 % 1), 2 * np.pi * (62 / 3 % 1)], abs=1e-12)
 
 
 @pytest.mark.parametrize(("old", "new", "said"), [

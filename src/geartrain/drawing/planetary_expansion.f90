@@ -94,6 +94,7 @@ contains
             do n = 1, size(bodies)
                if (bodies(n)%name == set%carrier) bodies(n)%added_inertia = bodies(n)%added_inertia + carried_inertia(set, numbers)
             end do
+            call place_meshes(set, numbers, train)
             call add_planets(set, numbers%planets, train)
             expansion%set_of_body = [expansion%set_of_body, [(i, n=1, numbers%planets)]]
             if (numbers%has(sun_meshes)) call add_meshes(set, numbers, sun_meshes, train)
@@ -130,6 +131,43 @@ contains
 
       pitch_diameter = set%teeth(2)*set%normal_module/cos(set%helix_angle*pi/180)
    end function pitch_diameter
+
+   !> Sets the phases of meshes of planets that were written by hand, as those between the planets of two sets, where they have
+   !> none: the mesh of a planet lags behind the mesh of the first planet as its mesh with the sun does.
+   pure subroutine place_meshes(set, numbers, train)
+      type(planetary_type), intent(in) :: set
+      type(set_type), intent(in) :: numbers
+      type(train_type), intent(inout) :: train
+      integer :: kind, i, j, n, side, like
+
+      kind = merge(sun_meshes, ring_meshes, numbers%has(sun_meshes))
+      do i = 1, size(train%meshes)
+         if (train%meshes(i)%carrier /= set%carrier .or. abs(train%meshes(i)%phase) > 0) cycle
+         do side = 1, 2
+            n = findloc([(planet_name(set, j) == train%meshes(i)%between(side), j=1, numbers%planets)], .true., 1)
+            if (n < 2) cycle
+            like = 0
+            do j = 1, size(train%meshes)
+               if (train%meshes(j)%between(side) /= planet_name(set, 1)) cycle
+               if (.not. same_teeth(train%meshes(i), train%meshes(j))) cycle
+               if (like > 0) return
+               like = j
+            end do
+            if (like == 0) cycle
+            train%meshes(i)%phase = train%meshes(like)%phase + &
+                                    2*pi*numbers%lag(kind, n, whole(set%teeth(merge(1, 3, kind == sun_meshes))))
+         end do
+      end do
+   end subroutine place_meshes
+
+   !> Whether two meshes have gears of equal teeth, and a common carrier.
+   pure logical function same_teeth(one, other)
+      type(mesh_type), intent(in) :: one, other
+
+      same_teeth = one%carrier == other%carrier .and. is_given(one%teeth) .and. is_given(other%teeth)
+      if (same_teeth) same_teeth = size(one%teeth) == size(other%teeth)
+      if (same_teeth) same_teeth = all(abs(one%teeth - other%teeth) <= 0)
+   end function same_teeth
 
    subroutine add_planets(set, planets, train)
       type(planetary_type), intent(in) :: set

@@ -351,6 +351,8 @@ contains
                &alone act'
          end if
          call carry(fields, field_type('order', '', '1', words), order)
+         if (abs(mesh%phase) > 0) call carry(fields, field_type('phase', '', 'rad', 'lag of stiffness and errors in the mesh &
+            &cycle, as given, or by the place of a planet'), mesh%phase)
          orders = plain%order*excited(plain)
          if (size(orders) > 0) call carry(fields, field_type('excited_orders', 'harmonic', '1', 'multiples of the fundamental &
             &with an amplitude of its stiffness or transmission error'), orders)

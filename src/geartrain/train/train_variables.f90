@@ -266,7 +266,8 @@ contains
                          most=10*one), mesh%contact_ratio, rectangular)
       call v%on_integer(row('stiffness_harmonics', '', 'number of harmonics taken of the rectangular wave', least=one, &
                             most=1000*one), mesh%stiffness_harmonics)
-      call v%on_real(row('phase', 'rad', 'lag of kappa and of all errors, in the mesh cycle'), mesh%phase)
+      call v%on_real(row('phase', 'rad', 'lag of kappa and of all errors, in the mesh cycle; 0 of a mesh of planets of a &
+                         &set: as their place behind the first planet makes it'), mesh%phase)
       call v%on_list(row('error_cos', 'm', 'cosine amplitudes of the static transmission error, harmonics 1, 2, ...; it adds to &
                          &the mesh displacement; its sign and phase against the stiffness matter'), mesh%error_cos)
       call v%on_list(row('error_sin', 'm', 'sine amplitudes, harmonics 1, 2, ...'), mesh%error_sin)
