@@ -344,12 +344,9 @@ contains
             if (context%kinematics%exact_order(i) > 0) words = words//', which make it the multiple '// &
                integer_text(context%kinematics%exact_order(i))//' of their own fundamental'
          end if
-         order = plain%order
-         if (plain%locked) then
-            order = 0
-            words = 'the gears turn as one with the carrier: their teeth stand still in each other, mean stiffness and mean error &
-               &alone act'
-         end if
+         order = merge(0, plain%order, plain%locked)
+         if (plain%locked) words = 'the gears turn as one with the carrier: their teeth stand still in each other, mean stiffness &
+                                   &and mean error alone act'
          call carry(fields, field_type('order', '', '1', words), order)
          if (abs(mesh%phase) > 0) call carry(fields, field_type('phase', '', 'rad', 'lag of stiffness and errors in the mesh &
             &cycle, as given, or by the place of a planet'), mesh%phase)
