@@ -163,10 +163,11 @@ def test_a_mode_on_the_train(split):
 def test_the_train_as_a_picture(drawn, split):
     ax = drawn.plot()
     assert [text for text in texts(ax) if "turn" in text] == [
-        "motor\n1 turn", "pinion 1\n1 turn", "wheel 1\n0.3239 turns", "pinion 2\n0.3239 turns", "wheel 2\n0.07694 turns",
+        "motor\n1 turn", "pinion 1\n1 turn", "wheel 1\n-0.3239 turns", "pinion 2\n-0.3239 turns", "wheel 2\n0.07694 turns",
         "load\n0.07694 turns"]
     assert "mesh 1\n23 : 71" in texts(ax) and "shaft 1\n42.4 kN m/rad" in texts(ax)
     assert f"wheel 2\n{1500 * 23 / 71 * 19 / 80:.4g} rpm" in texts(drawn.plot(speed=1500.0))
+    assert f"pinion 2\n{-1500 * 23 / 71:.4g} rpm" in texts(drawn.plot(speed=1500.0))  # an external pair: the opposite sense
     assert "mesh 3\n1 : 1.667" in texts(split.plot()) and "driven gear 2" in texts(paper_train().plot())
 
 

@@ -122,7 +122,8 @@ def draw_schematic(
     ax : matplotlib.axes.Axes
         Where to draw.
     speed : float, optional
-        Revolutions per minute of the body that tells the speed: those of every body are told then, else its turns.
+        Revolutions per minute of the body that tells the speed: those of every body are told then, else its turns; negative where
+        a body turns against that body.
     body_color : sequence, optional
         Of each body.
     strength : mapping, optional
@@ -145,8 +146,7 @@ def draw_schematic(
         ax.add_patch(Circle(tuple(places[body]), sizes[body], facecolor=color, edgecolor="black", linewidth=1.2, zorder=3,
                             linestyle="-" if gear else (0, (4, 1.5))))
         told = numbers.get(name, {}).get("turns")
-        told = None if told is None else abs(told)
-        turns = "" if told is None else "\n1 turn" if told == 1 else f"\n{told:.4g} turns"
+        turns = "" if told is None else f"\n{told:.4g} turn" + "s" * (abs(told) != 1)
         rate = f"\n{told * speed:.4g} rpm" if told is not None and speed is not None else turns
         if body in bearings:
             rate += "\n" + _draw_bearing(ax, places[body], sizes[body], bearings[body], strength)
