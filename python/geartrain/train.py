@@ -16,7 +16,7 @@ from .analyses.in_time import InTime
 from .analyses.on_the_balance import OnTheBalance
 from .errors import InputError, shown
 from .plots.draw import new_axes
-from .plots.planetary_picture import draw_stage
+from .plots.planetary_picture import STAGE_RATIOS, STAGE_SIZE, draw_stage
 from .plots.schematic import draw_schematic, figure_size
 from .results.campbell import Campbell
 from .results.modes import Modes
@@ -182,6 +182,7 @@ class Train(OnTheBalance, InTime):
             Where to draw; a new figure unless told.
         speed : float, optional
             In rpm, of the body that tells the speed: the speed of every body is told then, else its turns per turn of that body.
+            It is negative where the body turns in the opposite sense.
 
         Returns
         -------
@@ -196,8 +197,8 @@ class Train(OnTheBalance, InTime):
     def plot_stage(self, name: str | None = None, *, speed: float | None = None) -> Axes:
         """Draw a planetary set: front view with the planets at their angles, and beside it the lever diagram of the speeds.
 
-        Each planet has its share of the static load. The lever has sun, carrier and ring at distances by their teeth; the speeds
-        across it lie on a line.
+        Each planet has its share of the static load; positive speeds turn counter-clockwise. The lever has sun, carrier and ring
+        at distances by their teeth; the speeds across it lie on a line.
 
         Parameters
         ----------
@@ -215,7 +216,7 @@ class Train(OnTheBalance, InTime):
         --------
         >>> train.plot_stage("stage 1").figure.savefig("stage.png")  # doctest: +SKIP
         """
-        front, lever = new_axes(None, ncols=2, figsize=(8.5, 4.6), width_ratios=(1.2, 1.0))
+        front, lever = new_axes(None, ncols=2, figsize=STAGE_SIZE, width_ratios=STAGE_RATIOS)
         return draw_stage(self, name, (front, lever), speed)
 
     @classmethod

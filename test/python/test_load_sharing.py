@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import ROOT
 from planetary_model import Flow, Model
 from planetary_trains import FREQUENCY, RING_MESH, SUN_MESH, TEETH, planetary, radius, train_of
 from test_carriers import close, same_motion, shot
@@ -290,3 +291,15 @@ def test_angles_of_planets_follow_from_their_phases():
     angles = (0.0, 99.0, 189.0, 270.0)
     told = short(teeth=(19, 21, 61), planets=None, angles=angles).explain()["stage 1"]
     np.testing.assert_allclose(360 * planet_angles(told, 19), angles, atol=1e-9)
+
+
+def test_planets_turn_with_the_sun_in_the_picture():
+    """Positive speeds turn counter-clockwise; the sun of the long planets of a Ravigneaux set turns backwards, as their angles."""
+    train = gt.read_case(ROOT / "namelists" / "ravigneaux.nml").train
+    for name in ("short", "long"):
+        words = {text.get_text().split("\n")[0]: text.xy for text in train.plot_stage(name).texts}
+        angles = [np.degrees(np.arctan2(-words[planet][0], words[planet][1])) % 360 for planet in "123"]
+        np.testing.assert_allclose(angles, [0.0, 120.0, 240.0], atol=1e-9, err_msg=name)
+    split = gt.read_case(ROOT / "namelists" / "hybrid.nml").train.plot_stage("split")  # whose sun turns backwards
+    (x, y), = (text.xy for text in split.texts if text.get_text().startswith("2\n"))
+    assert x > 0 and y == pytest.approx(0.0, abs=1e-9 * x)

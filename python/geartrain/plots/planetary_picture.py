@@ -15,9 +15,12 @@ from .draw import COLORS
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["draw_stage", "planet_angles", "stages_of"]
+__all__ = ["STAGE_RATIOS", "STAGE_SIZE", "draw_stage", "planet_angles", "stages_of"]
 
 Array = NDArray[np.float64]
+
+#: Width and height of a picture [inches]; widths of front view and lever diagram to each other.
+STAGE_SIZE, STAGE_RATIOS = (8.5, 4.6), (1.2, 1.0)
 
 _MOST_TEETH = 400  # drawn as ticks
 
@@ -28,9 +31,10 @@ def stages_of(train: Description) -> dict[str, Mapping[str, Any]]:
 
 
 def planet_angles(told: Mapping[str, Any], teeth: int) -> Array:
-    """Angles of the planets from the first one [turns]: those nearest to equal spacing that have the phases of the meshes.
+    """Angles of the planets from the first one [turns], in the sense in which the sun turns seen from the carrier.
 
-    ``told`` is what is told of the set, ``teeth`` the number of teeth of its sun, or of its ring where it has no sun; 0: not known.
+    They are those nearest to equal spacing that have the phases of the meshes. ``told`` is what is told of the set, ``teeth`` the
+    number of teeth of its sun, or of its ring where it has no sun; 0: not known.
     """
     number = int(told["planets"])
     equal = np.arange(number) / number
@@ -38,8 +42,18 @@ def planet_angles(told: Mapping[str, Any], teeth: int) -> Array:
         return equal
     kind, sense = ("sun", 1) if "sun_phase" in told else ("ring", -1)
     lag = np.asarray(told[f"{kind}_phase"]) - told[f"{kind}_phase"][0]
-    near: Array = (sense * lag + np.round(teeth * equal - sense * lag)) / teeth
-    return near
+    near: list[Array] = [(sense * lag + np.round(teeth * even - sense * lag)) / teeth for even in (equal, -equal)]
+    # Planets may be numbered against the sense of the sun, as those of a Ravigneaux set on the sun that turns backwards.
+    backwards = not np.allclose(near[0], equal) and np.allclose(near[1], -equal)
+    return near[int(backwards)]
+
+
+def _sense(told: Mapping[str, Any]) -> int:
+    """Sense in which the sun turns seen from the carrier, as the signs of the speeds: 1 counter-clockwise in the picture, -1."""
+    if "carrier_turns" not in told:
+        return 1
+    slip = told["sun_turns"] - told["carrier_turns"] if "sun_turns" in told else told["carrier_turns"] - told["ring_turns"]
+    return -1 if slip < 0 else 1
 
 
 def draw_stage(train: Description, name: str | None, axes: tuple[Axes, Axes], speed: float | None = None) -> Axes:
@@ -67,7 +81,7 @@ def _draw_front(train: Description, told: Mapping[str, Any], ax: Axes) -> None:
     teeth = {"sun": _teeth(train, sun, told, "sun"), "ring": _teeth(train, ring, told, "ring")}
     planet, planet_teeth = _planet(train, numbers, sun or ring, told, "sun" if sun else "ring")
     distance = (radius["sun"] or 0) + planet if sun else radius["ring"] - planet
-    angles = planet_angles(told, teeth["sun"] or teeth["ring"])
+    angles = _sense(told) * planet_angles(told, teeth["sun"] or teeth["ring"])
     places = distance * np.stack([-np.sin(2 * np.pi * angles), np.cos(2 * np.pi * angles)], axis=1)
     ax.add_patch(Polygon(places, closed=True, facecolor="0.93", edgecolor="0.6", linewidth=1.0, zorder=0))
     share = told.get("load_share")
