@@ -4,6 +4,7 @@ import base64
 import gzip
 import json
 import re
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -223,6 +224,53 @@ def test_planets_and_held_bodies():
         parts = file["parts"][told["quantities"][name]["along"]]
         assert parts == {"load_share": list(branch.train.planet_labels), "reaction_torque_maximum": ["ring"]}[name]
         np.testing.assert_allclose(series["values"][name], branch.arrays()[name], rtol=1e-7)
+
+
+@pytest.fixture(scope="module")
+def uneven():
+    """The hybrid with planet 3 of the second of its two sets misplaced: short branch."""
+    train = gt.read_case(ROOT / "namelists" / "hybrid.nml").train
+    train = train.with_values({f"mesh {mesh} error_mean": 1e-7 for mesh in (11, 15)})
+    return train.response(start=1000.0, stop=1050.0, unit="rpm", harmonics=4)
+
+
+def test_load_sharing_and_reactions_in_tables(uneven, branch):
+    """As the printed report: the reaction of the housing, and K_gamma with its planet for each set."""
+    [file] = unpacked(uneven.page().html)["files"]
+    tables = {table["name"]: table for table in file["tables"]}
+    table = tables["Largest forces and torques, stable motions"]
+    row = dict(zip(table["headings"], table["rows"][-1]))
+    assert row["part"] == "reaction of housing" and row["unit"] == "N m"
+    reaction = np.maximum(uneven.reaction_torque_maximum, -uneven.reaction_torque_minimum)[:, 0]
+    assert row["force or torque"] == pytest.approx(reaction.max()) and table["points"][-1] == [0, int(reaction.argmax())]
+    table = tables["Load sharing of planets, stable motions"]
+    rows = [dict(zip(table["headings"], row)) for row in table["rows"]]
+    assert [(row["set"], row["quantity"].split(":")[0], row["planet"]) for row in rows[::2]] == [
+        ("split", "K_gamma", None), ("reduction", "K_gamma", 3)]
+    assert rows[0]["value"] == pytest.approx(1.0, abs=5e-4)
+    for row, share, (_, point) in zip(rows[2:], (uneven.load_share, uneven.load_share_maximum), table["points"][2:]):
+        assert row["value"] == pytest.approx(4 * share[:, 4:].max()) and row["value"] > 1.1 and row["planet"] == 3
+        assert row["speed [rpm]"] == pytest.approx(uneven.speed[point]) and share[point, 6] == share[:, 6].max()
+    words = " ".join(uneven.report().split())
+    assert re.search(rf"Planets of reduction: .*? at most {rows[2]['value']:.4g}, of planet 3 at", words)
+    # A train without sets and without held bodies has neither.
+    [file] = unpacked(branch.page().html)["files"]
+    assert file["stages"] == [] and not any(table["name"].startswith("Load sharing") for table in file["tables"])
+    assert not any("reaction" in str(row) for table in file["tables"] for row in table["rows"])
+
+
+def test_stages_of_a_train(uneven):
+    """A picture of each planetary set, with its own members; nothing in it from elsewhere."""
+    [file] = unpacked(uneven.page().html)["files"]
+    assert [stage["name"] for stage in file["stages"]] == ["split", "reduction"]
+    for stage, members in zip(file["stages"], (("motor 1", "carrier", "1"), ("motor 2", "housing (held)", "3"))):
+        root = ET.fromstring(stage["svg"])
+        assert root.tag.endswith("}svg") and len(stage["svg"]) < 2e5
+        links = [value for element in root.iter() for name, value in element.attrib.items() if name.endswith("href")]
+        assert links and all(link.startswith("#") for link in links) and "url(" not in stage["svg"].replace("url(#", "")
+        # Letters are paths; matplotlib notes the words beside them.
+        words = [line.strip() for note in re.findall(r"<!--(.*?)-->", stage["svg"], re.DOTALL) for line in note.splitlines()]
+        assert {stage["name"], *members} <= {*words} and "turns per turn of engine" in words
 
 
 def test_command(page_results, branch, tmp_path, capsys):

@@ -3,6 +3,7 @@
 import shutil
 import time
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -350,6 +351,22 @@ def test_two_files_and_a_narrow_screen(browser, branch, train, tmp_path, monkeyp
         assert page.js("document.documentElement.scrollWidth") <= 400, tab
     image = page.js("[...document.querySelectorAll('img')].map((i) => [i.naturalWidth > 100, i.alt.length > 10])")
     assert image == [[True, True]] * 2
+    assert page.complaints() == [""]
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+def test_pictures_of_planetary_sets(browser, tmp_path, width):
+    """Below the drawing of the train one of each set, loaded, in full view or in a frame that scrolls."""
+    train = gt.read_case(ROOT / "namelists" / "ravigneaux.nml").train
+    train.response(start=1500.0, stop=1510.0, unit="rpm", harmonics=3).page(tmp_path / "sets.html")
+    page = Shown(browser, tmp_path / "sets.html", width=width)
+    page.click("#tab-train")
+    page.until("[...document.querySelectorAll('#view-train img')].every((image) => image.complete)")
+    images = page.js("[...document.querySelectorAll('#view-train img')].map((i) => [i.naturalWidth > 100, i.alt.split(':')[0]])")
+    assert images == [[True, "The train"], [True, "short"], [True, "long"]]
+    boxes = page.js("[...document.querySelectorAll('#view-train img')].map((i) => i.getBoundingClientRect().toJSON())")
+    assert all(one["bottom"] <= other["top"] for one, other in pairwise(boxes))
+    assert all(box["height"] > 250 for box in boxes) and page.js("document.documentElement.scrollWidth") <= width
     assert page.complaints() == [""]
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Iterable, Mapping, Sequence
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,20 +10,19 @@ from numpy.typing import NDArray
 
 from .._core.box import described
 from .._core.description import Description, contact_words, element_name, is_of_ring, load_signs, part_names
-from .._core.extras import extra
 from .._core.units import both_units, hertz_of, in_own_unit, length_unit, speed_of, units_of
 from ..errors import InputError
 from ..plots.captions import caption, first_quantity, force_unit, force_words, is_drawn
-from ..plots.schematic import draw_schematic, figure_size
 from ..results.campbell import exciting_orders
 from ..results.curve import Between, is_slope, position, value_at
 from ..results.motion_table import as_columns
 from ..results.orders import named_orders
 from ..results.special_point import SpecialPoints
 from ..results.stability_map import map_words
-from ..results.summary import speeds
 from ..variables import ANALYSES
+from .page_drawings import schematic, stages
 from .page_force import force_laws, largest_difference
+from .page_loads import largest_loads, load_sharing
 from .page_pack import Block
 
 __all__ = ["ALONG", "quantities", "shown_results"]
@@ -130,7 +127,8 @@ def shown_results(results: Any, name: str, block: Block, every: int = 1) -> dict
         "orderNames": [[order, words] for order, words in named_orders(train).items()],
         "series": shown,
         "tables": tables,
-        "schematic": _schematic(train),
+        "schematic": schematic(train),
+        "stages": stages(train),
         "explanation": str(train.explain()),
         "loci": [] if parts["locus"] is None else [_of_locus(parts["locus"], block)],
         "map": None if parts["stability_map"] is None else _of_map(parts["stability_map"], block),
@@ -302,7 +300,7 @@ def _tables(branch: Any, place: int, name: str) -> list[dict[str, Any]]:
         _table("Special points", specials._table(), [[place, special.point] for special in specials], branch.train),
     ]
     unit = f" [{branch.parameter_unit}]" if branch.parameter_unit not in ("", "1") else ""
-    found.insert(1, _table(*_largest(branch, place)))
+    found[1:1] = [_table(*largest_loads(branch, place)), _table(*load_sharing(branch, place))]
     found.append(_table(*_bands(branch)))
     for table in found:
         table["branch"] = "" if place == 0 else name
@@ -320,36 +318,6 @@ def _name_rms(table: dict[str, Any], drawn: bool) -> None:
         table["headings"][place] = f"true rms{rest}" if drawn else f"rms of the paper{rest}"
     table["rows"] = [[None if cell is None else factor * cell if place in columns else cell for place, cell in enumerate(row)]
                      for row in table["rows"]]
-
-
-def _largest(branch: Any, place: int) -> tuple[str, dict[str, list[Any]], list[list[int]]]:
-    """The largest force of each mesh and the largest torque of each shaft, of stable motions where there are some."""
-    arrays, train = branch.arrays(), branch.train
-    counts = np.ones(len(branch), bool) if branch.stable is None or not branch.stable.any() else branch.stable
-    torque = arrays.get("shaft_torque_maximum")
-    parts = [(label, "N m" if element.startswith("coupling") else "N", arrays["mesh_force_maximum"][:, mesh],
-              arrays["dynamic_factor"][:, mesh])
-             for mesh, (label, element) in enumerate(zip(train.mesh_labels, train.mesh_elements))]
-    if torque is not None:
-        both = np.maximum(torque, -arrays["shaft_torque_minimum"])
-        parts += [(label, "N m", both[:, shaft], None) for shaft, label in enumerate(train.shaft_labels)]
-    # Rigid shafts side by side have no torque of their own.
-    parts = [part for part in parts if np.isfinite(part[2][counts]).any()]
-    points = [int(np.nanargmax(np.where(counts, values, np.nan))) for _, _, values, _ in parts]
-    at = [float(branch.frequency[point]) for point in points]
-    columns = {
-        "part": [label for label, *_ in parts],
-        "force or torque": [float(values[point]) for point, (_, _, values, _) in zip(points, parts)],
-        "unit": [unit for _, unit, _, _ in parts],
-        "dynamic factor": [None if factor is None else float(factor[point]) for point, (*_, factor) in zip(points, parts)],
-        **speeds(
-            SimpleNamespace(frequency=one, speed=speed_of(train, one), fundamental_frequency=hertz_of(train, one),
-                            parameter=None if branch.parameter is None else float(branch.parameter[point]))
-            for one, point in zip(at, points)
-        ),
-    }
-    words = "" if counts is not branch.stable else ", stable motions"
-    return f"Largest forces and torques{words}", columns, [[place, point] for point in points]
 
 
 def _bands(branch: Any) -> tuple[str, dict[str, list[Any]]]:
@@ -390,20 +358,6 @@ def _table(name: str, columns: Mapping[str, Sequence[Any]], points: Sequence[Seq
         for mesh in range(widest):
             flat[f"{words}, {element_name(train, mesh)}" if widest > 1 else words] = [value[mesh] for value in values]
     return {"name": name, "headings": list(flat), "rows": list(zip(*flat.values())), "points": list(points)}
-
-
-def _schematic(train: Description) -> str:
-    """The train as an SVG drawing."""
-    extra("matplotlib")
-    import matplotlib as mpl
-    from matplotlib.figure import Figure
-
-    with mpl.rc_context({"svg.hashsalt": "geartrain", "svg.fonttype": "path"}):
-        figure = Figure(figsize=figure_size(train), layout="constrained")
-        draw_schematic(train, figure.add_subplot())
-        text = io.StringIO()
-        figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
-    return text.getvalue()
 
 
 def _of_map(chart: Any, block: Block) -> dict[str, Any]:

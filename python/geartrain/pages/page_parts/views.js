@@ -306,18 +306,18 @@ function runUpView(panel) {
 function trainView(panel) {
   for (const file of files) {
     if (files.length > 1) panel.append(make("h2", {}, file.name || file.title));
-    const source = URL.createObjectURL(new Blob([file.schematic], { type: "image/svg+xml" }));
-    panel.append(
-      make(
-        "div",
-        { class: "scroll", tabindex: 0, role: "group", "aria-label": "Drawing of the train" },
-        make("img", {
-          class: "schematic",
-          src: source,
-          alt: `The train: meshes ${file.parts.mesh.join(", ")}; shafts ${file.parts.shaft.join(", ") || "none"}.`,
-        }),
-      ),
+    const drawing = (svg, label, alt) => {
+      const source = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" })),
+        image = make("img", { class: "schematic", src: source, alt });
+      panel.append(make("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": label }, image));
+    };
+    drawing(
+      file.schematic,
+      "Drawing of the train",
+      `The train: meshes ${file.parts.mesh.join(", ")}; shafts ${file.parts.shaft.join(", ") || "none"}.`,
     );
+    for (const { name, svg } of file.stages)
+      drawing(svg, `Drawing of ${name}`, `${name}: front view with the planets, and lever diagram of the speeds.`);
     for (const warning of file.warnings) panel.append(make("p", {}, warning));
     panel.append(
       make(
