@@ -55,7 +55,7 @@ def test_a_report_as_html(results, tmp_path):
     assert text == results.report()  # the path changes nothing of it
     page = (tmp_path / "a.html").read_text(encoding="utf-8")
     read = Reader(page)
-    assert read.open == [] and read.pictures == 3 and "http" not in page
+    assert read.open == [] and read.pictures == 4 and "http" not in page
     assert read.headings == ["planetary reducer", "Result", "Response", "Torques of shafts", "Dynamic factors",
                              "Load sharing of planets", "Modes", "Resonances", "Shafts", "Quality", "Train", "What is not modelled"]
     assert "held" in read.cells and "mesh 1 to 3" in read.cells
@@ -92,6 +92,10 @@ def test_a_report_without_response(results, tmp_path):
     replace(results, response=None).report(tmp_path / "a.html")
     read = Reader((tmp_path / "a.html").read_text(encoding="utf-8"))
     assert "Response" not in read.headings and read.headings[-1] == "What is not modelled" and "Train" in read.headings
+    # In the section on the train, after the train itself.
+    page = (tmp_path / "a.html").read_text(encoding="utf-8")
+    places = [page.index(words) for words in ("<h2>Train</h2>", 'alt="the train"', 'alt="planetary set stage 1"', "<th>body</th>")]
+    assert places == sorted(places) and page.count("<img") == read.pictures == 2
 
 
 # K_v of ISO 6336-1:2006, method B.

@@ -13,6 +13,7 @@ from .._core.box import Box
 from .._core.description import Description
 from .._core.extras import extra
 from ..errors import InputError, shown
+from ..plots.planetary_picture import stages_of
 from .at_peaks import sensitivities, sidebands
 from .document import Document
 from .kv import Pair, dynamic_factor
@@ -201,11 +202,13 @@ def _load_sharing(made: Document, branch: Any, train: Description) -> None:
 
 
 def _train(made: Document, train: Description) -> None:
-    """The train as a picture, and the numbers of its drawing."""
+    """The train and its planetary sets as pictures, and the numbers of its drawing."""
     made.heading("Train")
     draw = getattr(train, "plot", None)
     if draw is not None:
         made.picture(_figure(draw()), "the train")
+        for name in stages_of(train):
+            made.picture(_figure(train.plot_stage(name)), f"planetary set {name}")  # type: ignore[attr-defined]
     numbers = train.explain()
     held = {body.name for body in train.bodies if body.held}
     bodies = [[name, "held" if name in held else _told(numbers, name, "inertia"), _told(numbers, name, "turns")]
