@@ -171,6 +171,20 @@ def test_the_train_as_a_picture(drawn, split):
     assert "mesh 3\n1 : 1.667" in texts(split.plot()) and "driven gear 2" in texts(paper_train().plot())
 
 
+@pytest.mark.parametrize("case", ["planetary", "hybrid", "ravigneaux"])
+def test_words_of_planetary_sets_keep_apart(case):
+    """In the drawing of a train no words cover others, and those of a planet have the sign of its sense."""
+    train = gt.read_case(ROOT / "namelists" / f"{case}.nml").train
+    ax = train.plot()
+    ax.figure.canvas.draw()
+    boxes = {text.get_text(): text.get_window_extent() for text in ax.texts}
+    assert len(boxes) == len(train.body_labels) + len(train.shafts) + len(train.meshes)
+    assert [pair for pair in combinations(boxes, 2) if boxes[pair[0]].overlaps(boxes[pair[1]])] == []
+    words = {"planetary": "stage 1 planet 1\n-0.375 turns", "hybrid": "motor 1\n-1.6 turns",
+             "ravigneaux": "large sun\n-0.8158 turns"}
+    assert words[case] in boxes
+
+
 def test_a_long_train_goes_there_and_back():
     mesh = paper_train().meshes[0]
     train = paper_train(shafts=[gt.Shaft(stiffness=1e5, damping_ratio=0.01)] * 8, meshes=[mesh] * 7)

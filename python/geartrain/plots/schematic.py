@@ -20,6 +20,8 @@ __all__ = ["Joint", "draw_schematic", "figure_size", "joints_of", "places_of"]
 Array = NDArray[np.float64]
 
 _LONGEST = 10  # columns of bodies in a row
+_PARTS = (0.5, 0.4, 0.6, 0.3, 0.7, 0.2, 0.8)  # places along a joint where its words may stand
+_PIECE = 0.02  # half the size of a piece of a line: words cover a line rather than other words
 
 
 @dataclass(frozen=True)
@@ -134,12 +136,10 @@ def draw_schematic(
     sizes = _sizes(len(bodies), joints, numbers)
     for pair in carried_by(train):
         ax.plot(*places[list(pair)].T, color="0.7", linewidth=1.0, linestyle="--", zorder=0)
-    for joint in joints:
-        share = None if strength is None else strength.get(joint.element)
-        _draw_joint(ax, joint, places, sizes, _words(joint, train, numbers) if strength is None else "", share)
     from matplotlib.patches import Circle
 
     bearings = bearings_under(train)
+    taken: list[tuple[float, ...]] = []  # boxes of discs, words and pieces of lines
     for body, name in enumerate(bodies):
         color = "white" if body_color is None else body_color[body]
         gear = any(body in joint.ends and joint.is_mesh for joint in joints)
@@ -150,8 +150,17 @@ def draw_schematic(
         rate = f"\n{told * speed:.4g} rpm" if told is not None and speed is not None else turns
         if body in bearings:
             rate += "\n" + _draw_bearing(ax, places[body], sizes[body], bearings[body], strength)
-        ax.annotate(name + rate, (places[body][0], places[body][1] - sizes[body]), (0, -3), textcoords="offset points", ha="center",
-                    va="top", fontsize=8, zorder=4, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8})
+        below = places[body][0], places[body][1] - sizes[body]
+        ax.annotate(name + rate, below, (0, -3), textcoords="offset points", ha="center", va="top", fontsize=8, zorder=4,
+                    bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8})
+        taken.append((*(places[body] - sizes[body]), *(places[body] + sizes[body])))
+        taken.append(_box(name + rate, below, (0, -3), 8, "center", "top"))
+    for pair in (*carried_by(train), *(joint.ends for joint in joints)):
+        one, other = places[list(pair)]
+        taken += [(*(at - _PIECE), *(at + _PIECE)) for at in np.linspace(one, other, 33)]
+    for joint in joints:
+        share = None if strength is None else strength.get(joint.element)
+        _draw_joint(ax, joint, places, sizes, _words(joint, train, numbers) if strength is None else "", share, taken)
     ax.set_xlim(places[:, 0].min() - 0.8, places[:, 0].max() + 0.8)
     ax.set_ylim(places[:, 1].min() - (1.1 if bearings else 0.95), places[:, 1].max() + 0.6)
     ax.set_aspect("equal")
@@ -216,24 +225,54 @@ def _draw_bearing(ax: Axes, place: Array, size: float, number: int, strength: Ma
     return f"bearing {number}" + (f": {100 * share:.3g} %" if share is not None and share >= 0.005 else "")
 
 
-def _draw_joint(ax: Axes, joint: Joint, places: Array, sizes: Array, words: str, share: float | None) -> None:
-    """A shaft as a thick line, a mesh as a dotted one, a coupling as a dashed one; the words stand above the middle of it."""
+def _box(words: str, at: Sequence[float], beside: Sequence[float], size: float, ha: str, va: str) -> tuple[float, ...]:
+    """Left, bottom, right and top of words of a size in points beside a place, about; 1 is an inch, as in `figure_size`."""
+    lines = words.split("\n")
+    width, height = (size / 72 * many for many in (0.62 * max(map(len, lines)), 1.2 * len(lines)))
+    left = at[0] + beside[0] / 72 - {"left": 0.0, "center": 0.5, "right": 1.0}[ha] * width
+    bottom = at[1] + beside[1] / 72 - {"bottom": 0.0, "center": 0.5, "top": 1.0}[va] * height
+    return left, bottom, left + width, bottom + height
+
+
+def _shared(box: Sequence[float], others: Sequence[Sequence[float]]) -> float:
+    """Area that a box shares with other boxes."""
+    low, high = np.split(np.asarray(others), 2, axis=1)
+    common = np.minimum(box[2:], high) - np.maximum(box[:2], low)
+    return float(common.clip(min=0.0).prod(axis=1).sum())
+
+
+def _draw_joint(
+    ax: Axes, joint: Joint, places: Array, sizes: Array, words: str, share: float | None, taken: list[tuple[float, ...]],
+) -> None:
+    """A shaft as a thick line, a mesh as a dotted one, a coupling as a dashed one.
+
+    The words stand beside its middle, or where they cover least of the boxes ``taken``, to which theirs is added.
+    """
     one, other = joint.ends
     begin, end = places[one], places[other]
     distance = float(np.hypot(*(end - begin)))
     along = (end - begin) / distance
-    middle = (begin + sizes[one] * along + end - sizes[other] * along) / 2
     color = "0.45" if share is None else COLORS[3]
     thickness = 3.5 if share is None else 1.0 + 9.0 * share
     style = {"mesh": (0, (1, 1)), "coupling": (0, (2.5, 0.8))}.get(joint.element.split()[0], "-")
     ax.plot(*zip(begin, end), color=color, linewidth=thickness, linestyle=style, zorder=1, solid_capstyle="butt")
     if share is not None and share >= 0.005:
         words = f"{joint.element}\n{100 * share:.3g} %"
-    if words:
-        text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 7, "color": "0.25", "zorder": 4}
-        if abs(along[0]) < 0.1:
-            ax.annotate(words, tuple(middle), (4 + thickness / 2, 0), ha="left", va="center", **text)
-            return
-        rise = 0 if abs(along[1]) < 0.1 else int(np.sign(along[1] * along[0]))
-        beside = -4 * rise, 4 + thickness / 2 - 3 * abs(rise)
-        ax.annotate(words, tuple(middle), beside, ha={0: "center", 1: "right", -1: "left"}[rise], va="bottom", **text)
+    if not words:
+        return
+    away = 4 + thickness / 2
+    if abs(along[0]) < 0.1:
+        stands = [((away, 0.0), "left", "center"), ((-away, 0.0), "right", "center")]
+    elif abs(along[1]) < 0.1:
+        stands = [((0.0, away), "center", "bottom"), ((0.0, -away), "center", "top")]
+    else:
+        rise = int(np.sign(along[1] * along[0]))
+        stands = [((-4.0 * rise, away - 3), "right" if rise > 0 else "left", "bottom"),
+                  ((4.0 * rise, 3 - away), "left" if rise > 0 else "right", "top")]
+    first, last = begin + sizes[one] * along, end - sizes[other] * along
+    tried = [((1 - part) * first + part * last, *stand) for stand in stands for part in _PARTS]
+    boxes = [_box(words, at, beside, 7, ha, va) for at, beside, ha, va in tried]
+    best = int(np.argmin([_shared(box, taken) + 1e-4 * place for place, box in enumerate(boxes)]))
+    at, beside, ha, va = tried[best]
+    taken.append(boxes[best])
+    ax.annotate(words, tuple(at), beside, textcoords="offset points", fontsize=7, color="0.25", zorder=4, ha=ha, va=va)
