@@ -1,5 +1,6 @@
 """Studies: the same numbers as calls one by one, whatever computes them; what a folder holds, and what it lacks."""
 
+import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
@@ -9,8 +10,12 @@ import pandas as pd
 import pytest
 import xarray as xr
 from conftest import paper_train, reducer, single_pair
+from tqdm import tqdm
 
 import geartrain as gt
+from geartrain._core import watch
+from geartrain.studies import study as study_module
+from geartrain.studies import study_progress
 from geartrain.studies.jump_identity import identify
 from geartrain.studies.study_command import main
 from geartrain.studies.study_store import Store
@@ -333,3 +338,18 @@ def test_jumps_of_a_train_that_varies_keep_their_places(tmp_path):
     np.testing.assert_allclose(found.jump_frequency.mean("sample"), [jump.frequency for jump in branch.jumps], rtol=0.01)
     for place, jump in enumerate(branch.jumps):
         assert {*found.jump_direction.values[:, place]} == {jump.direction}
+
+
+def test_a_train_that_takes_long_itself_holds_up_no_study(tmp_path, monkeypatch, capfd):
+    # The range of the train itself takes minutes, those of the points take milliseconds.
+    monkeypatch.setattr(study_module, "_LONGEST_TRIAL", 0.3)
+    train, space = paper_train(), gt.Space({"response stop": [0.21, 0.22]})
+    study = gt.Study(train, space, response={"start": 0.2, "stop": 2.6, "step": 1e-5, "max_points": 10**6}, keep=["largest rms"])
+    begun = time.monotonic()
+    told = study.explain(tmp_path)
+    assert time.monotonic() - begun < 5.0
+    assert told.seconds is None and told.problem == "" and "the train itself takes longer than" in str(told)
+    monkeypatch.setattr(watch, "progress_bar", lambda *_: None)
+    monkeypatch.setattr(study_progress, "progress_bar", lambda *_: tqdm(total=2, disable=False))
+    assert (study.run(tmp_path, ThreadPoolExecutor(1)).status == "done").all()
+    assert "expected: unknown, since the train itself takes longer" in capfd.readouterr().err

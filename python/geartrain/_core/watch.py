@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import atexit
 import contextlib
+import math
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from typing import Any, TypeVar, cast
 
 import numpy as np
@@ -17,7 +19,7 @@ from ..errors import Interrupted
 from .extras import missing
 from .warn import warn
 
-__all__ = ["progress_bar", "quiet", "stops", "watched"]
+__all__ = ["progress_bar", "quiet", "stops", "time_limit", "watched"]
 
 Result = TypeVar("Result")
 
@@ -26,6 +28,19 @@ _TICK = 0.05  # s between looks at the progress
 
 #: Signals whose handler asks work in the main thread to stop without an exception, which Python drops in a finalizer.
 stops: list[int] = []
+
+#: Monotonic time at which long work of this thread has to end [s].
+_end: ContextVar[float] = ContextVar("end", default=math.inf)
+
+
+@contextlib.contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Stop long work within this context after so many seconds; `watched` then raises TimeoutError."""
+    token = _end.set(time.monotonic() + seconds)
+    try:
+        yield
+    finally:
+        _end.reset(token)
 
 
 def watched(
@@ -57,6 +72,8 @@ def watched(
     ------
     Interrupted
         On Ctrl-C, once the work has stopped; its ``result`` is what the work returned. On a second Ctrl-C at once, without it.
+    TimeoutError
+        Once the work has stopped because its `time_limit` is over.
     """
     progress = quiet()
     done = threading.Event()
@@ -73,7 +90,7 @@ def watched(
             done.set()
 
     thread = threading.Thread(target=run, name=f"geartrain {name}", daemon=True)
-    interrupted = False
+    interrupted = late = False
     wanted = True
     bar = None
     told = ""
@@ -83,6 +100,8 @@ def watched(
         while not done.is_set():
             try:
                 done.wait(_TICK)
+                if time.monotonic() > _end.get():
+                    late, progress[0] = True, 1.0
                 if stops and not interrupted:
                     raise KeyboardInterrupt
                 if wanted and bar is None and time.monotonic() - begin > _PATIENCE:
@@ -116,6 +135,8 @@ def watched(
                 message += f" at {value} = {progress[2]:.6g}, after {int(progress[1])} {unit}"
             message += "; .result holds what there is"
         raise Interrupted(message, result) from failure
+    if late:
+        raise TimeoutError(f"{name} stopped by its time limit") from failure
     if failure is not None:
         raise failure
     return cast(Result, result)

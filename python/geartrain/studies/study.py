@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._core.extras import extra
+from .._core.watch import time_limit
 from ..case import read_results
 from ..errors import InputError, Interrupted, SolverError, plain, shown
 from ..results.branch import Branch
@@ -39,6 +40,8 @@ _BATCH = 3.0  # s that a batch should take
 _SPREAD = 4  # batches of a worker, at least, so that all end at about the same time
 _SMALL = 2.0  # s of work for which no processes are started
 _TRIALS = 0.2  # s of runs of the train itself, by which the time of a point is guessed
+_LONGEST_TRIAL = 10.0  # s after which such a run is stopped: the points may take less, as other numbers may end them earlier
+_NO_ESTIMATE = f"expected: unknown, since the train itself takes longer than {_LONGEST_TRIAL:g} s"
 
 
 @dataclass(frozen=True)
@@ -54,7 +57,7 @@ class StudyExplanation:
     done, failed : int
         Those in the folder, and those of them that failed.
     seconds_a_point : float or None
-        As measured in the folder, else by the train itself; None where its analysis fails.
+        As measured in the folder, else by the train itself; None where its analysis fails or takes longer than 10 s.
     seconds : float or None
         Expected of what is left, on all cores of this machine.
     problem : str
@@ -170,7 +173,10 @@ class Study:
         except Exception as error:  # noqa: BLE001 (told instead)
             problem = f"the train itself: {error}"
         left = len(plan.distinct) - len(own)
-        total = None if seconds is None else seconds * left / max(1, min(cores(), left))
+        total, expected = None, _NO_ESTIMATE
+        if seconds is not None:
+            total = seconds * left / max(1, min(cores(), left))
+            expected = f"expected: {_duration(seconds)} a point, {_duration(total)} on {cores()} cores"
         told = [
             f"{self.call} of {len(plan)} points, {len(plan) - len(plan.distinct)} of them duplicates",
             *(f"   {name}: {_range(values)}" + (" of the train's own" if self.space.relative[name] else "")
@@ -178,7 +184,7 @@ class Study:
             f"stored of each point: {', '.join(self.keep)}",
             f"points done: {len(own)}" + (f", {sum(status != DONE for status in own)} of them failed" if own else "")
             + f"; to do: {left}",
-            problem or f"expected: {_duration(seconds or 0)} a point, {_duration(total or 0)} on {cores()} cores",
+            problem or expected,
         ]
         failed = sum(status != DONE for status in own)
         if failed and store is not None:
@@ -220,9 +226,9 @@ class Study:
         """
         theirs = executor_of(executor)
         self._folder = os.fspath(folder)
-        store, plan = self._begun(folder, cores())
+        store, plan, note = self._begun(folder, cores())
         store.mend()
-        run_plan(plan, store, range(plan.blocks), theirs, retry=retry, progress=progress)
+        run_plan(plan, store, range(plan.blocks), theirs, retry=retry, progress=progress, note=note)
         found = dataset_of(plan, store)
         failed = np.flatnonzero(found.status.values != DONE)
         if len(failed):
@@ -326,19 +332,21 @@ class Study:
         known = folder if folder is not None else self._folder
         return None if known is None else Store(known)
 
-    def _begun(self, folder: str | os.PathLike[str], workers: int) -> tuple[Store, Plan]:
-        """The folder with the plan in it, and the plan in the batches that it has there."""
+    def _begun(self, folder: str | os.PathLike[str], workers: int) -> tuple[Store, Plan, str]:
+        """The folder with the plan in it, the plan in the batches that it has there, and a note where its time is not known."""
         extra("xarray")  # rather now than after the work
         store = Store(folder)
         store.make()
-        seconds = 1.0
+        seconds: float | None = 1.0
         with suppress(Exception):
             seconds = self._seconds_a_point(store)
+        note = "" if seconds is not None else _NO_ESTIMATE
+        seconds = _LONGEST_TRIAL if seconds is None else seconds
         batch = max(1, min(round(_BATCH / max(seconds, 1e-6)), len(self._plan.distinct) // (_SPREAD * workers)))
-        return store, store.put_plan(self._plan.in_batches_of(batch, seconds))
+        return store, store.put_plan(self._plan.in_batches_of(batch, seconds)), note
 
-    def _seconds_a_point(self, store: Store | None) -> float:
-        """Of the points in the folder, else of the train itself."""
+    def _seconds_a_point(self, store: Store | None) -> float | None:
+        """Of the points in the folder, else of the train itself; None where that takes longer than `_LONGEST_TRIAL`."""
         for path in store.paths() if store is not None else ():
             batch = store.read(path) if store is not None else None
             if batch is not None:
@@ -348,21 +356,25 @@ class Study:
         begun, best = time.perf_counter(), np.inf
         while time.perf_counter() - begun < _TRIALS:
             one = time.perf_counter()
-            getattr(self.train, self.call)(**self.settings)
+            try:
+                with time_limit(_LONGEST_TRIAL):
+                    getattr(self.train, self.call)(**self.settings)
+            except TimeoutError:
+                return None
             best = min(best, time.perf_counter() - one)
         return float(best)
 
 
 def run_plan(
     plan: Plan, store: Store, blocks: Sequence[int], executor: Any = None, *, workers: int = 0, retry: bool = False,
-    progress: bool = True, patient: bool = True,
+    progress: bool = True, patient: bool = True, note: str = "",
 ) -> Progress:
-    """Compute batches of a plan whose points are not yet in the folder; workers are all cores unless told."""
+    """Compute batches of a plan whose points are not yet in the folder; workers are all cores unless told. The bar shows the note."""
     if retry:
         store.forget([plan.key(failure.point) for failure in failures_of(plan, store, blocks)])
     there = store.statuses().keys()
     left = [block for block in blocks if not there >= {plan.key(point) for point in plan.block(block)}]
-    with Progress(plan, store, progress) as told:
+    with Progress(plan, store, progress, note) as told:
         try:
             compute_all(str(store.folder), plan.digest, left, executor, workers or _workers(plan, left), told, patient)
             told()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from itertools import islice
 from typing import Any
@@ -21,13 +22,15 @@ class Progress:
     there, failed : int
     """
 
-    def __init__(self, plan: Plan, store: Store, show: bool = True) -> None:
+    def __init__(self, plan: Plan, store: Store, show: bool = True, note: str = "") -> None:
         self._plan, self._store = plan, store
         self.there = self.failed = self._counted = 0
         self.look()
         self._bar: Any = progress_bar("study", len(plan.distinct), time.monotonic(), "points") if show else None
         if self._bar is not None:
             self._bar.n = self._bar.initial = self.there
+            if note and not self._bar.disable:
+                self._bar.write(note, file=sys.stderr)
 
     def look(self) -> int:
         """Look into the folder; the points that are there."""
