@@ -2,10 +2,14 @@
 module unit_branch_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_base_kinds, only: dp
+   use geartrain_base_sheet, only: in_result, sheet_type
    use geartrain_readings_contact_ranges, only: back_collision_ranges, separation_ranges
+   use geartrain_readings_frequency_text, only: frequency_text_type
+   use geartrain_readings_jump_sentences, only: say_jumps
    use geartrain_readings_jumps, only: jump_type, jumps
    use geartrain_readings_summary, only: band_type, bands_without_stability, folds, gaps, peak_type, peaks
    use geartrain_trace_branch, only: arrange_points, branch_type, special_point_type
+   use fixtures, only: single_pair
    use testing, only: tests_type
    implicit none (type, external)
    private
@@ -22,6 +26,7 @@ contains
       if (tests%runs('without_stability')) call without_stability(tests)
       if (tests%runs('jumps_of_a_resonance')) call jumps_of_a_resonance(tests)
       if (tests%runs('jump_among_three')) call jump_among_three(tests)
+      if (tests%runs('equal_sentences_of_jumps')) call equal_sentences_of_jumps(tests)
       if (tests%runs('jump_beside_a_fold')) call jump_beside_a_fold(tests)
       if (tests%runs('ranges_of_contact')) call ranges_of_contact(tests)
       if (tests%runs('closed_island')) call closed_island(tests)
@@ -179,6 +184,27 @@ contains
       call tests%is_text(trim(found(2)%cause), 'period doubling', 'by a doubling')
       call tests%is_true(all(found(2)%after < 0), 'and rms after it is not known')
    end subroutine jump_among_three
+
+   !> Stability is lost twice with rising speed within the digits that are printed: one sentence with the number of jumps.
+   subroutine equal_sentences_of_jumps(tests)
+      class(tests_type), intent(inout) :: tests
+      character(*), parameter :: ending = ' vibration jumps to a motion that is not on this curve'
+      type(branch_type) :: branch
+      type(frequency_text_type) :: told
+      type(sheet_type) :: sheet
+
+      branch = branch_of([0.6_dp, 0.80001_dp, 0.80002_dp, 0.80003_dp, 0.80004_dp, 0.9_dp], &
+                         [0.1_dp, 0.20_dp, 0.20_dp, 0.20_dp, 0.20_dp, 0.3_dp], [1, 1, 0, 1, 0, 0])
+      branch%special_points = [special_point_type('stability change', 0.800015_dp, 2), &
+                               special_point_type('stability change', 0.800025_dp, 3), &
+                               special_point_type('stability change', 0.800035_dp, 4)]
+      call put_rms(branch, [0.2_dp, 0.2_dp, 0.2_dp])
+      call say_jumps(branch, single_pair(0.05_dp, 0.3_dp, 0.4_dp), told, sheet)
+      call tests%is_text(sheet%sections(in_result)%text, &
+                         '    speed up: at Lambda 0.8000'//ending//' (stability change):'//new_line('a')// &
+                         '    2 jumps'//new_line('a')//'    speed down: at Lambda 0.8000'//ending//' (stability'// &
+                         new_line('a')//'    change)'//new_line('a'), 'three jumps')
+   end subroutine equal_sentences_of_jumps
 
    !> The stable motion above the fold at 1.0 ends at 1.0005: whether it is there at 1.0 is a matter of errors of 0.001, and not of
    !> 0.00001.

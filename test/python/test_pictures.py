@@ -142,6 +142,8 @@ def test_a_response_that_ended_early_says_so(branch):
     assert (gap.get_x(), gap.get_x() + gap.get_width()) == pytest.approx(ends)
     assert [text.get_text() for text in ax.get_legend().get_texts()][-1] == "not computed"
     assert ax.get_legend().get_title().get_text() == ended
+    long = replace(stubs, ended="; ".join([ended] * 7)).plot().get_legend().get_title().get_text()  # in one line
+    assert long.startswith(ended) and long.endswith(" ...") and len(long) <= 64 and "\n" not in long
     assert not stubs.plot(ax=plt.figure().subplots()).patches and not branch.plot().patches
 
 

@@ -11,6 +11,8 @@ import pytest
 from conftest import ROOT, reducer
 
 import geartrain as gt
+from geartrain.reports.at_peaks import sidebands
+from geartrain.reports.document import Document
 from geartrain.reports.kv import Pair, dynamic_factor
 from geartrain.reports.report_command import main
 from geartrain.reports.report_file import _pair, document_of
@@ -216,3 +218,26 @@ def test_whole_lists_as_values():
                           ({"mesh 1 driving_pitch_error": [0.0] * 3}, "each of the 20")):
         with pytest.raises(gt.InputError, match=words):
             train.with_values(values)
+
+
+@pytest.mark.parametrize(("stable", "undecided", "words", "speed"), [
+    ([True, True], [False, False], "the highest peak of mesh 1,", 6700.0),
+    ([False, True], [True, False], "the highest peak of mesh 1 (stability undecided),", 6700.0),
+    ([False, True], [False, False], "the highest stable peak of mesh 1,", 6900.0),
+    ([False, False], [False, False], "no mesh with errors has a stable peak", 6700.0),
+])
+def test_the_highest_peak_is_that_of_the_table(stable, undecided, words, speed):
+    """Undecided peaks stay, as in the table of resonances; where a higher one is unstable, the words say stable."""
+    train = gt.read_case(ROOT / "namelists" / "pitch_errors.nml").train
+    motions = {at: train.integrate(at, unit="rpm") for at in (6700.0, 6900.0)}
+    peaks = [SimpleNamespace(frequency=one.frequency, speed=one.speed, mesh=1, rms=one.rms[0], stable=is_stable, undecided=open_,
+                             dynamic_factor=factor, mesh_force_maximum=one.mesh_force_maximum[0])
+             for one, is_stable, open_, factor in zip(motions.values(), stable, undecided, (2.0, 1.5), strict=True)]
+    branch = SimpleNamespace(frequency=np.array([one.frequency for one in peaks]), parameter=None, peaks=lambda: peaks,
+                             at=lambda frequency: [one for one in motions.values() if one.frequency == frequency],
+                             stable=np.array(stable), rms=np.array([[one.rms] for one in peaks]),
+                             mesh_force_maximum=np.array([[2.0], [1.0]]))
+    made = Document("")
+    sidebands(made, SimpleNamespace(response=branch, integration=None), train)
+    where = next(text for kind, text in made.blocks if kind == "sentence" and "of the force of the mesh itself" in text)
+    assert words in where and f"{speed:g} rpm" in where

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import product
-from textwrap import fill
+from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -222,7 +222,7 @@ class Curves(Readings):
         name_height(axes, curves[0].label(units))
         if len(columns) > 1 or jumps or ranges or (keys and own):
             add_keys(axes[0], keys)
-            put_legend(axes[0], own, strips, title=fill(self.ended, 64) if gaps else None)
+            put_legend(axes[0], own, strips, title=shorten(self.ended, 64, placeholder=" ...") if gaps else None)
         return axes[0]
 
     def _settled(self, curves: Sequence[Quantity], columns: Sequence[int]) -> list[Array]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Container, Mapping
+from collections.abc import Container, Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -37,7 +37,7 @@ _OF_TRAINS = ("input_torque", "stiffness_variation")
 
 def sensitivities(made: Document, branch: Any, train: Description) -> None:
     """The derivatives of the largest mesh forces at the highest peaks."""
-    peaks = _highest(branch)
+    peaks, stable = _highest(branch)
     if branch is None or branch.parameter is not None or not peaks:
         return
     values, heads = _parameters(train, train.explain()), []
@@ -50,7 +50,7 @@ def sensitivities(made: Document, branch: Any, train: Description) -> None:
             values = {name: values[name] for name in derivable(Box(copy=train._kept), values)}
         columns.append(_shares(motion, peak, values))
         at = f"Lambda {peak.frequency:.6g}" if peak.speed is None else f"{peak.speed:.6g} rpm"
-        heads.append(f"{train.mesh_elements[peak.mesh - 1]} at {at}")
+        heads.append(f"{train.mesh_elements[peak.mesh - 1]} at {at}{_doubt(peak)}")
     names = list(dict.fromkeys(name for column in columns for name in column))
     weight = {name: max(abs(column.get(name, 0.0)) for column in columns) for name in names}
     kept = sorted((name for name in names if weight[name] > 5e-4), key=lambda name: -weight[name])[:_ROWS]
@@ -58,24 +58,35 @@ def sensitivities(made: Document, branch: Any, train: Description) -> None:
         return
     made.heading("Sensitivities")
     made.table(["", *heads], [[name, *(f"{column[name]:+.3f}" if name in column else "" for column in columns)] for name in kept])
-    made.sentence("Change of the largest mesh force at the highest peaks, in per cent, where the number grows by one per cent, at "
-                  "constant speed; by the derivatives of the periodic motion. The numbers that matter most come first.")
+    made.sentence(f"Change of the largest mesh force at the highest {stable}peaks, in per cent, where the number grows by one per "
+                  "cent, at constant speed; by the derivatives of the periodic motion. The numbers that matter most come first.")
 
 
-def _highest(branch: Any, meshes: Container[int] | None = None) -> list[Any]:
-    """The peaks of largest dynamic factor, or force without a mean load, at different speeds, stable where that is known."""
+def _highest(branch: Any, meshes: Container[int] | None = None, most: int = _PEAKS) -> tuple[list[Any], str]:
+    """The peaks of largest dynamic factor, or force without a mean load, at different speeds, but those that are surely unstable,
+    as the table of resonances has them; ``"stable "`` where an unstable one would be among them."""
     found: list[Any] = []
     if branch is None or not len(branch.frequency):
-        return found
+        return found, ""
     with warnings.catch_warnings(), suppress(InputError):  # a branch without the settings of its response has none
         warnings.simplefilter("ignore")
-        found = [peak for peak in branch.peaks() if peak.stable is not False and (meshes is None or peak.mesh in meshes)]
+        found = [peak for peak in branch.peaks() if meshes is None or peak.mesh in meshes]
     found.sort(key=lambda peak: (-np.nan_to_num(peak.dynamic_factor), -peak.mesh_force_maximum))
+    kept = _apart([peak for peak in found if peak.stable is not False or peak.undecided])[:most]
+    return kept, "" if kept == _apart(found)[:most] else "stable "
+
+
+def _apart(found: Sequence[Any]) -> list[Any]:
+    """The first peaks at different speeds."""
     kept: list[Any] = []
     for peak in found:
         if all(abs(peak.frequency - other.frequency) > _NEAR * other.frequency for other in kept):
             kept.append(peak)
-    return kept[:_PEAKS]
+    return kept
+
+
+def _doubt(peak: Any) -> str:
+    return " (stability undecided)" if peak.undecided else ""
 
 
 def _motion_at(branch: Any, frequency: float, mesh: int, rms: float) -> Any:
@@ -188,12 +199,12 @@ def _loudest(results: Any, meshes: Container[int], train: Description) -> tuple[
     """A motion at the highest peak of the meshes, or at their largest force, and where that is; None, and why."""
     branch = results.response
     if branch is not None and branch.parameter is None and len(branch.frequency):
-        peaks = _highest(branch, meshes)
+        peaks, kind = _highest(branch, meshes, 1)
         if peaks:
             peak = peaks[0]
             motion = _motion_at(branch, peak.frequency, peak.mesh - 1, peak.rms)
             if motion is not None:
-                return motion, f"the highest peak of {train.mesh_elements[peak.mesh - 1]}"
+                return motion, f"the highest {kind}peak of {train.mesh_elements[peak.mesh - 1]}{_doubt(peak)}"
         own = [place for place in range(branch.mesh_force_maximum.shape[1]) if place + 1 in meshes]
         force = branch.mesh_force_maximum[:, own].max(axis=1)
         stable = branch.stable is not None and np.where(branch.stable, force, 0.0)
@@ -201,7 +212,7 @@ def _loudest(results: Any, meshes: Container[int], train: Description) -> tuple[
         mesh = own[int(branch.mesh_force_maximum[point, own].argmax())]
         motion = _motion_at(branch, branch.frequency[point], mesh, branch.rms[point, mesh])
         if motion is not None:
-            return motion, "the largest mesh force, as no mesh with errors has a peak within the range"
+            return motion, f"the largest mesh force, as no mesh with errors has a {kind}peak within the range"
     motions = [motion for motion in (results.integration or ()) if getattr(motion, "period", 0)]
     if motions:
         return max(motions, key=lambda motion: float(np.max(motion.mesh_force_maximum))), "the largest mesh force"

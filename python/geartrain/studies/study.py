@@ -369,7 +369,7 @@ def run_plan(
     plan: Plan, store: Store, blocks: Sequence[int], executor: Any = None, *, workers: int = 0, retry: bool = False,
     progress: bool = True, patient: bool = True, note: str = "",
 ) -> Progress:
-    """Compute batches of a plan whose points are not yet in the folder; workers are all cores unless told. The bar shows the note."""
+    """Compute batches of a plan whose points are not yet in the folder; workers are all cores unless told. The bar has the note."""
     if retry:
         store.forget([plan.key(failure.point) for failure in failures_of(plan, store, blocks)])
     there = store.statuses().keys()

@@ -1,5 +1,6 @@
 !> What a report says of the jumps of a slow sweep: in which direction, at which speed, from what to what.
 module geartrain_readings_jump_sentences
+   use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_sheet, only: in_result, sheet_type
@@ -20,7 +21,8 @@ module geartrain_readings_jump_sentences
 
 contains
 
-   !> Adds a sentence for each jump; in a short report for the jumps with the largest change of amplitude.
+   !> Adds a sentence for each jump, one for jumps that read the same; in a short report for the jumps with the largest change of
+   !> amplitude.
    subroutine say_jumps(branch, train, told, sheet)
       type(branch_type), intent(in) :: branch
       !> The train as given.
@@ -30,10 +32,11 @@ contains
       type(sheet_type), intent(inout) :: sheet
       type(jump_type), allocatable :: found(:)
       type(length_text_type) :: lengths
-      integer, allocatable :: order(:)
+      type(text_type), allocatable :: sentences(:)
+      integer, allocatable :: order(:), times(:)
       logical, allocatable :: shown(:)
       character(:), allocatable :: words, place
-      integer :: i, mesh
+      integer :: i, n, mesh
 
       found = jumps(branch)
       if (size(found) == 0) return
@@ -45,6 +48,8 @@ contains
       end if
       if (any(found%kind /= 'leaves')) call sheet%say(in_result, 'Jumps ('//trim(lengths%name)// &
                                                       ', mesh with the largest change):')
+      allocate (sentences(size(found)))
+      allocate (times(size(found)), source=0)
       do i = 1, size(found)
          if (.not. shown(i)) cycle
          call told%with_unit(told%number(found(i)%frequency_ratio), place)
@@ -61,7 +66,18 @@ contains
             if (found(i)%candidates > 1) words = words//' (the nearest of '//text(found(i)%candidates)//' stable motions)'
          end if
          if (found(i)%undecided) words = words//' (undecided)'
-         call sheet%say(in_result, '  '//words)
+         do n = 1, i - 1
+            if (times(n) == 0) cycle
+            if (sentences(n)%text == words) exit
+         end do
+         if (n == i) sentences(i)%text = words
+         times(n) = times(n) + 1
+      end do
+      do i = 1, size(found)
+         if (times(i) == 0) cycle
+         words = '  '//sentences(i)%text
+         if (times(i) > 1) words = words//': '//text(times(i))//' jumps'
+         call sheet%say(in_result, words)
       end do
       if (all(shown)) return
       words = '  and '//text(count(.not. shown))//' more with smaller amplitudes'
