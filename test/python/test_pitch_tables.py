@@ -42,7 +42,7 @@ def test_pitch_errors_of_a_table(tmp_path):
     for name, text in tables.items():
         encoding = {"machine.txt": "cp1252", "numbered.csv": "utf-16"}.get(name, "utf-8")
         (tmp_path / name).write_text(text, encoding=encoding)
-        for gear in ("mesh 1 driving", "Pinion 1 [11]"):
+        for gear in ("mesh 1 driving", "Pinion 1 [11]", "Pinion 1"):
             train = gt.read_rexs(file, pitch_errors={gear: tmp_path / name})
             # Seven digits are written.
             assert np.allclose(train.meshes[0].driving_pitch_error, expected.meshes[0].driving_pitch_error, rtol=0, atol=5e-13)
@@ -157,7 +157,7 @@ def test_a_case_with_errors_asks_for_what_can_be_had(executable, tmp_path, gears
     ("mesh 1 driving", b"0.5\n\x81\n", [":2: error: no text in UTF-8, UTF-16 or Windows-1252"]),
     ("mesh 1 driving", b"0.5\n\0\n", [":2: error: no text in UTF-8, UTF-16 or Windows-1252"]),
     ("mesh 3 driving", "0.5\n", ["there is no such gear", "mesh 1 driving or driven (Pinion 1 [11], Wheel 1 [14])"]),
-    ("Pinion 1", "0.5\n", ["did you mean 'Pinion 1 [11]'"]),
+    ("Pinion", "0.5\n", ["there is no such gear (did you mean 'Pinion 1 [11]'?)"]),
 ])
 def test_a_table_of_pitch_errors_that_cannot_be(tmp_path, gear, text, words):
     path = tmp_path / "table.txt"
@@ -186,6 +186,22 @@ def test_gears_that_take_no_table(tmp_path, capsys):
     with open(path, "w", encoding="utf-8") as stream:
         stream.write("#" * (5 << 20))
     assert main([str(file), *asked]) == 2 and "has more than 4 MB" in capsys.readouterr().err
+
+
+def test_a_name_of_two_gears(tmp_path):
+    """As files write it, without the number; the label with the number is still of one gear."""
+    (tmp_path / "table.txt").write_text("0.5\n" * 23)
+    file = two_stages().write(tmp_path / "gearbox.rexs")
+    text = re.sub(r'name="(\w+ \d) \[\d+\]" type="cylindrical_gear"', r'name="\1" type="cylindrical_gear"', file.read_text())
+    file.write_text(text)
+    numbers = [gt.read_rexs(file, pitch_errors={gear: tmp_path / "table.txt"}).meshes[0].driving_pitch_error
+               for gear in ("Pinion 1", "Pinion 1 [11]")]
+    assert numbers[0] and numbers[0] == numbers[1]
+    file.write_text(text.replace('name="Pinion 2"', 'name="Pinion 1"'))
+    with pytest.raises(gt.InputError, match=r"2 gears have this name: say 'Pinion 1 \[11\]' or 'Pinion 1 \[\d+\]'"):
+        gt.read_rexs(file, pitch_errors={"Pinion 1": tmp_path / "table.txt"})
+    again = gt.read_rexs(file, pitch_errors={"Pinion 1 [11]": tmp_path / "table.txt"}).meshes[0].driving_pitch_error
+    assert again == numbers[0]
 
 
 def test_an_idler_has_two_flanks(tmp_path):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import difflib
 import math
 import os
+import re
 import warnings
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -45,11 +46,12 @@ def read_rexs(
     load_case : int, optional
         Of the load spectrum, from 1 on. Unless told the loads beside it, or the load case of the longest time.
     pitch_errors : dict, optional
-        Files with measured pitch errors of gears: ``{"mesh 1 driving": "pinion.txt"}``, or by the gear's own name. A line has the
-        cumulative error of a tooth on the reference circle, as ISO 1328-1 measures it, in the order in which the teeth engage;
-        positive: towards the mate. The number of the tooth may stand before it. The heading of the column may have the unit,
-        ``[um]`` (the default), ``[mm]``, ``[nm]`` or ``[m]``, and says of several columns which one counts: ``Fp``, cumulative, or
-        else ``fp``, single pitch errors, which are summed. Text before and after the numbers is passed over.
+        Files with measured pitch errors of gears: ``{"mesh 1 driving": "pinion.txt"}``, or by the gear's own name, with its
+        number as in ``"Pinion 1 [11]"`` where several gears have that name. A line has the cumulative error of a tooth on the
+        reference circle, as ISO 1328-1 measures it, in the order in which the teeth engage; positive: towards the mate. The number
+        of the tooth may stand before it. The heading of the column may have the unit, ``[um]`` (the default), ``[mm]``, ``[nm]`` or
+        ``[m]``, and says of several columns which one counts: ``Fp``, cumulative, or else ``fp``, single pitch errors, which are
+        summed. Text before and after the numbers is passed over.
 
     Returns
     -------
@@ -129,7 +131,7 @@ def _ask_in_time(draft: Draft, source: Source) -> None:
 
 def _add_pitch_errors(draft: Draft, source: Source, gear: str, path: str | os.PathLike[str]) -> None:
     """Measured pitch errors of a gear, from the reference circle to the line of action."""
-    group, side = _find_gear(draft, gear)
+    group, side = _find_gear(draft, gear, [str(one) for one in source.file.of_kind("cylindrical_gear", "ring_gear")])
     table, name = read_pitch_table(path), plain(Path(path).name)
     teeth = group["teeth"].value[side == "driven"]
     if len(table.errors) != teeth:
@@ -148,12 +150,16 @@ def _add_pitch_errors(draft: Draft, source: Source, gear: str, path: str | os.Pa
         source.note("assumed", told, name)
 
 
-def _find_gear(draft: Draft, gear: str) -> tuple[dict[str, Entry], str]:
-    """The mesh of a gear, ``'mesh 1 driving'`` or the name of its component, and which of its gears it is."""
+def _find_gear(draft: Draft, gear: str, labels: Sequence[str]) -> tuple[dict[str, Entry], str]:
+    """The mesh of a gear, ``'mesh 1 driving'``, its label or its label without the number, and which of its gears it is."""
     meshes = [entries for kind, _, entries in draft.groups if kind == "mesh"]
     known = {f"mesh {number} {side}": (entries, side) for number, entries in enumerate(meshes, 1) for side in ("driving", "driven")}
     if gear in known:
         return known[gear]
+    alike = [label for label in labels if re.sub(r" \[\d+\]$", "", label) == gear]
+    if gear not in labels and len(alike) > 1:
+        raise InputError(f"pitch errors of {shown(gear)}: {len(alike)} gears have this name: say {' or '.join(map(repr, alike))}")
+    gear = alike[0] if gear not in labels and alike else gear
     # The teeth stand beside the names of both gears.
     named = [place for place, (entries, side) in known.items() if isinstance(gear, str) and
              (entries["teeth"].told.startswith(f"{gear}, ") if side == "driving" else entries["teeth"].told.endswith(f", {gear}"))]
