@@ -1,5 +1,6 @@
 """Mean torques that follow the speed, against SciPy with equations of its own and trains of constant torque."""
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -187,6 +188,19 @@ def test_what_cannot_follow_is_refused(body, words):
             bodies=[gt.Body(name="pinion", inertia=INERTIA, torque=10.0),
                     gt.Body(name="wheel", inertia=WHEEL_INERTIA, balances=True, torque_speed_exponent=2.0, torque_speed=AT)],
             shafts=[], meshes=pair().meshes)
+
+
+def test_an_exponent_of_zero_is_a_torque_that_follows_nothing(tmp_path):
+    """A study over exponents has its point at 0; where the exponent may have been forgotten a warning says what that means."""
+    with pytest.warns(gt.DrawingWarning, match="&body 2: torque_speed has no effect where torque_speed_exponent is 0"):
+        still = replace(pair(), bodies=[pair().bodies[0], replace(pair().bodies[1], torque_speed_exponent=0.0)])
+    (tmp_path / "case.nml").write_text(still.namelist())
+    assert gt.read_case(tmp_path / "case.nml").train.warnings == still.warnings and not pair().warnings
+    asked = {"frequency": OWN / 2, "unit": "rpm"}
+    study = gt.Study(pair(), gt.Space({"wheel torque_speed_exponent": [0.0, 2.0]}), integrate=asked, keep=["mesh_force_maximum"])
+    found = study.run(tmp_path / "study", ThreadPoolExecutor(1), progress=False)
+    assert found.mesh_force_maximum.values.ravel() == pytest.approx(
+        [train.integrate(**asked).mesh_force_maximum[0] for train in (pair(exponent=0.0), pair())], rel=1e-9)
 
 
 def test_without_teeth_there_is_no_speed():

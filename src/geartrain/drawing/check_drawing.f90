@@ -73,8 +73,6 @@ contains
                                                                                         &given')
          if (body%balances) call checker%complain('torque_speed_exponent', real_text(body%torque_speed_exponent), 'contradicts &
             &balances = .true.: its mean torque follows from the others; let the body at the other end of the train balance')
-      else if (body%torque_speed > 0) then
-         call checker%lacks('torque_speed_exponent', 'not 0', ', to which torque_speed belongs')
       end if
       if (.not. has_table_of_torque(body)) then
          if (body%torque_revolutions /= 1) call checker%lacks('torque_table', 'N m', ', to which torque_revolutions belongs')

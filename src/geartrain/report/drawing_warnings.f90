@@ -6,7 +6,7 @@ module geartrain_report_drawing_warnings
    use geartrain_base_numbers, only: integer_text, real_text, short => text
    use geartrain_mesh_law_law, only: law_type
    use geartrain_train_bodies, only: find_ends
-   use geartrain_train_body, only: body_type
+   use geartrain_train_body, only: body_type, follows_speed
    use geartrain_report_add_warning, only: add_warning
    use geartrain_report_damping_warnings, only: warn_of_damping_of_modes, warn_of_joined_inertias
    use geartrain_drawing_drawing, only: has_discs, has_geometry, has_sections, has_stiffness, pair_of, plain_train
@@ -89,6 +89,12 @@ contains
       if (.not. slips) call warn_of_damping_of_modes(train, warnings)
       call warn_of_planets(train, plain, warnings)
       if (all_toothed(train)) call warn_of_nearby_orders(train, warnings)
+      if (.not. allocated(train%bodies)) return
+      do i = 1, size(train%bodies)
+         ! The exponent may be 0 on purpose, as at a point of a study, or forgotten.
+         if (train%bodies(i)%torque_speed > 0 .and. .not. follows_speed(train%bodies(i))) call add_warning(warnings, 'body', i, &
+            'torque_speed has no effect where torque_speed_exponent is 0: the mean torque is the same at all speeds')
+      end do
    end subroutine find_warnings
 
    !> Warns of phases that are whole numbers of degrees.
