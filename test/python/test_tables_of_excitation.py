@@ -159,3 +159,13 @@ def test_half_orders_belong_to_the_engine():
     orders = mesh_motion(engine(TABLE, torque_revolutions=2, teeth=(20, 40)), 1500.0).orders()
     owner = dict(zip(orders.per_revolution.values, orders.owner.values, strict=True))
     assert [owner[order] for order in (0.5, 1.0, 1.5, 2.0)] == ["0.5 x engine", "engine", "1.5 x engine", "2 x engine"]
+
+
+def test_order_cuts_name_orders_as_the_table_of_orders_does():
+    train = engine(TABLE, torque_revolutions=2, teeth=(20, 40))
+    orders = mesh_motion(train, 1500.0).orders()
+    ramp = train.run_up(start=1480.0, stop=1500.0, unit="rpm", duration=0.4)
+    cuts = ramp.order_cuts(orders.order.values, what="mesh_force")
+    assert cuts.order_name.values.tolist() == orders.owner.values.tolist() and "1.5 x engine" in orders.owner.values
+    by_name = ramp.order_cuts(["1.5 x engine"], cycles=cuts.cycles)
+    assert np.allclose(by_name.amplitude.values[0], cuts.amplitude.values[cuts.order_name.values.tolist().index("1.5 x engine")])

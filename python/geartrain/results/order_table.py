@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from .._core.description import part_names
 from .._core.extras import extra
 from ..errors import InputError, shown
-from .campbell import exciting_orders
-from .orders import mesh_orders, named_orders, owners_of
+from .orders import names_of_causes, owners_of
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -45,12 +44,7 @@ def named_spectrum(
     kept = ((amplitude >= least * amplitude.max(axis=0, initial=0.0)) & (amplitude > 0)).any(axis=1)
     train = motion.train
     ratio = train.explain()["train"].get("speed_ratio")
-    exciting = {float(cause.order): cause.name.replace("revolution of ", "") for cause in exciting_orders(train)}
-    # A torque or a gear whose revolutions excite comes before bodies that turn as often.
-    revolving = {float(cause.order): exciting[float(cause.order)] for cause in exciting_orders(train)
-                 if "revolution of" in cause.name and cause.order not in mesh_orders(train).values()}
-    names = {**exciting, **named_orders(train), **revolving}
-    return order[kept], amplitude[kept], list(owners_of(train, order[kept], names)), ratio or None
+    return order[kept], amplitude[kept], owners_of(train, order[kept], names_of_causes(train)), ratio or None
 
 
 def order_table(motion: Any, least: float, what: str) -> Dataset:

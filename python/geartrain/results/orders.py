@@ -8,9 +8,10 @@ from itertools import permutations, product
 
 from .._core.description import Description
 from ..errors import InputError, shown
+from .campbell import exciting_orders
 from .excitation import gear_names
 
-__all__ = ["named_orders", "orders_of", "owners_of"]
+__all__ = ["named_orders", "names_of_causes", "orders_of", "owners_of"]
 
 _MULTIPLES, _SUMS = 8, 5  # largest multiple of a mesh order; largest of both multiples of a sum or difference that has a name
 _FAR_SUMS = 20  # and of one that explains a line of a spectrum better than a sideband far from its mesh order
@@ -26,6 +27,16 @@ def named_orders(train: Description) -> dict[float, str]:
     for order, name in _all_names(train):
         named.setdefault(order, name)
     return named
+
+
+def names_of_causes(train: Description) -> dict[float, str]:
+    """Names of `named_orders` and of what excites: a torque or a gear whose revolutions excite comes before bodies that turn as
+    often."""
+    exciting = {float(cause.order): cause.name.replace("revolution of ", "") for cause in exciting_orders(train)}
+    meshes = mesh_orders(train).values()
+    revolving = {float(cause.order): exciting[float(cause.order)] for cause in exciting_orders(train)
+                 if "revolution of" in cause.name and cause.order not in meshes}
+    return {**exciting, **named_orders(train), **revolving}
 
 
 def mesh_orders(train: Description) -> dict[int, int]:
@@ -110,26 +121,30 @@ def owners_of(train: Description, orders: Iterable[float], names: dict[float, st
 
 
 def orders_of(train: Description | None, orders: Iterable[float | str] | None) -> dict[float, str]:
-    """Orders with what to call them: numbers are multiples of the fundamental, names those of `named_orders`.
+    """Orders with what to call them: numbers are multiples of the fundamental, names those of `names_of_causes`.
 
-    None: the orders of the meshes and their doubles. An order without a name is called by its number.
+    None: the orders of the meshes and their doubles. An order without a name is called by its owner, or by its number.
     """
-    names = named_orders(train) if train is not None else {}
     if orders is None:
         meshes = [] if train is None else list(map(float, train._outline["order"]))
-        return {order: names.get(order, f"{order:.4g}") for order in sorted({*meshes, *(2 * order for order in meshes)})}
-    known = {single: order for order, name in (_all_names(train) if train is not None else ()) for single in _singly(name)}
+        return _called(train, sorted({*meshes, *(2 * order for order in meshes)}))
+    every = [] if train is None else [*names_of_causes(train).items(), *_all_names(train)]
+    known = {single: order for order, name in every for single in _singly(name)}
     known = {**{name.removeprefix("1 x "): order for name, order in known.items()}, **known}
-    found = {}
+    found = []
     for order in orders:
         if isinstance(order, str) and order not in known:
             near = difflib.get_close_matches(order, known, 1)
             hint = f" (did you mean {near[0]!r}?)" if near else ""
             such = f" or a name such as {', '.join(map(repr, sorted(known, key=len)[:3]))}" if known else ""
             raise InputError(f"orders: {shown(order)} is no order of this train{hint}: must be a multiple of the fundamental{such}")
-        number = known[order] if isinstance(order, str) else float(order)
-        found[number] = names.get(number, f"{number:.4g}")
-    return found
+        found.append(known[order] if isinstance(order, str) else float(order))
+    return _called(train, found)
+
+
+def _called(train: Description | None, orders: list[float]) -> dict[float, str]:
+    owners = [""] * len(orders) if train is None else owners_of(train, orders, names_of_causes(train))
+    return {order: owner or f"{order:.4g}" for order, owner in zip(orders, owners, strict=True)}
 
 
 def _singly(name: str) -> list[str]:
