@@ -30,9 +30,13 @@ def test_universal_file(motion, tmp_path):
         "mesh force, mesh 1", "mesh force, mesh 2", "shaft torque, shaft 1", "shaft torque, shaft 2", "shaft torque, shaft 3"]
     path = motion.trajectory(3)
     for one, values in zip(sets, [*path.mesh_force.T, *path.shaft_torque.T], strict=True):
-        # 12 digits stand in the file, of the step 6.
+        # 12 digits stand in the file, of the step 8.
         assert np.allclose(one["data"], values, rtol=1e-11, atol=0) and len(values) == 768
-        assert one["abscissa_inc"] == pytest.approx(1 / (256 * motion.fundamental_frequency), rel=1e-5)
+        assert one["abscissa_inc"] == pytest.approx(1 / (256 * motion.fundamental_frequency), rel=6e-8)
+    # Columns 44 to 56 have the step, which a reader by words finds as well.
+    lines = [line for line in (tmp_path / "a.uff").read_text().splitlines() if line.startswith("         4       768         1")]
+    assert len(lines) == 5 and {len(line) for line in lines} == {69} and {float(line.split()[4]) for line in lines} == {
+        float(line[43:56]) for line in lines}
     assert [one["ordinate_axis_units_lab"].strip() for one in sets] == ["N", "N", "N m", "N m", "N m"]
 
 

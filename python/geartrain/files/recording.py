@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -46,6 +47,8 @@ class Recording:
     def to_uff(self, path: str | os.PathLike[str], *, periods: int = 1) -> None:
         """Write mesh forces [N] and shaft torques [N m] over time as universal file, data set 58; needs pyuff.
 
+        The file has the time step in a field of 13 columns, here with 8 digits: after 100 s times are off by at most 5 us.
+
         Parameters
         ----------
         path : path-like
@@ -79,6 +82,7 @@ class Recording:
                 orddenom_temp_unit_exp=0, orddenom_axis_units_lab="NONE", z_axis_spec_data_type=0, z_axis_len_unit_exp=0,
                 z_axis_force_unit_exp=0, z_axis_temp_unit_exp=0, z_axis_axis_units_lab="NONE", data=channel.values, x=time))
         target.write_sets(sets, mode="overwrite")
+        _put_step(os.fspath(path), time)
 
     def to_mdf(self, path: str | os.PathLike[str], *, periods: int = 1) -> None:
         """Write mesh forces [N] and shaft torques [N m] over time as ASAM MDF 4; needs asammdf.
@@ -141,6 +145,18 @@ class Recording:
         rows = list(extra("rainflow").extract_cycles(values))
         found = np.array([row[:3] for row in rows], dtype=float).reshape(-1, 3)
         return LoadCycles(channel.title, channel.unit, float(step * (len(time) if repeats else len(time) - 1)), *found.T)
+
+
+def _put_step(path: str, time: Array) -> None:
+    """Write the time step of each data set 58 with 8 digits and a blank before them: pyuff writes 6 into the same field."""
+    head = f"{4:10d}{len(time):10d}{1:10d}{time[0]:13.5e}"
+    step = f"{(time[-1] - time[0]) / (len(time) - 1):.7e}".replace("e-0", "e-").rjust(13)
+    if len(step) > 13:
+        return
+    with open(path, encoding="utf-8", newline="") as file:
+        text = file.read()
+    with open(path, "w", encoding="utf-8", newline="") as file:
+        file.write(re.sub(f"(?m)^{re.escape(head)}.{{13}}", lambda _: head + step, text))
 
 
 def channels_of(train: Description | None, mesh_force: Array, shaft_torque: Array) -> list[Channel]:
