@@ -5,6 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import geartrain as gt
+from geartrain.variables import VARIABLES
 
 LOADS = np.array([300.0, 700.0, 1400.0, 2400.0, 4000.0])
 PHASE = 2 * np.pi * np.arange(8) / 8
@@ -181,3 +182,8 @@ def test_refused(changes, words):
     assert words in str(caught.value), str(caught.value)
     with pytest.raises(gt.InputError, match="the variation of a mesh with table_loads is given at each load"):
         pair().continuation(parameter="stiffness_variation", start=0.1, stop=0.2, frequency=15.0)
+
+
+def test_the_reference_says_what_the_loads_need():
+    """What the error says of backlash stands beside the variable as well."""
+    assert "half_backlash or backlash must be > 0" in VARIABLES["mesh"]["table_loads"].meaning

@@ -252,8 +252,8 @@ contains
                          &trigonometric polynomial; gives the mean stiffness and kappa. With table_loads: load over &
                          &deflection, load after load', above=zero), mesh%stiffness_table)
       call v%on_list(row('table_loads', 'N', 'ascending loads at which stiffness_table gives the stiffness: at each instant the &
-                         &force is a polygon over the displacement, with corners at the mean deflections under the loads', &
-                         above=zero), mesh%table_loads)
+                         &force is a polygon over the displacement, with corners at the mean deflections under the loads; &
+                         &half_backlash or backlash must be > 0', above=zero), mesh%table_loads)
       own_back = mesh%back_stiffness > 0
       call v%on_real(row('back_stiffness', 'N/m', 'mean stiffness of the back flanks, which touch at p < -half_backlash; default: &
                          &as the drive flanks', above=zero), mesh%back_stiffness, own_back)
