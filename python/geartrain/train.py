@@ -20,11 +20,13 @@ from .plots.planetary_picture import STAGE_RATIOS, STAGE_SIZE, draw_stage
 from .plots.schematic import draw_schematic, figure_size
 from .results.campbell import Campbell
 from .results.modes import Modes
-from .results.state_space import StateSpace, state_space_of
+from .results.state_space import StateSpace, averaged, state_space_of
 from .variables import PARTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from .results.motion import Motion
 
 
 __all__ = ["Train"]
@@ -122,7 +124,9 @@ class Train(OnTheBalance, InTime):
         """Natural frequencies, damping ratios and mode shapes of the mean system."""
         return self._found("modes", {}, lambda box: Modes._from(box, self), in_parts=False)
 
-    def state_space(self, *, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None) -> StateSpace:
+    def state_space(
+        self, *, inputs: Sequence[str] | None = None, outputs: Sequence[str] | None = None, at: Motion | None = None,
+    ) -> StateSpace:
         """The train as a linear system, for controllers: contact everywhere, mean mesh stiffness, torques of bodies as inputs.
 
         Parameters
@@ -132,10 +136,18 @@ class Train(OnTheBalance, InTime):
         outputs : sequence of str, optional
             Elements as `modes` names them, ``'shaft 1'``, ``'mesh 1'``, for their torques and forces, and bodies for their speeds;
             all elements unless told.
+        at : Motion, optional
+            A periodic motion of this train: its meshes then have the stiffness and damping that they have on average over it, with
+            teeth apart for a part of the time. Of trains of shafts and gear pairs.
 
         Returns
         -------
         StateSpace
+
+        Raises
+        ------
+        InputError
+            Where an element is not linear, or the motion is not periodic or of another train.
 
         Examples
         --------
@@ -144,7 +156,8 @@ class Train(OnTheBalance, InTime):
         >>> system.A.shape, system.units
         ((11, 11), ('N m', 'rad/s'))
         """
-        return state_space_of(self, self.modes(), inputs, outputs)
+        train = self if at is None else averaged(self, at)
+        return state_space_of(train, train.modes(), inputs, outputs)
 
     def campbell(self, *, start: float, stop: float, unit: Unit | None = None) -> Campbell:
         """Natural frequencies of the mean train, the orders that excite them, and the speeds where they meet.

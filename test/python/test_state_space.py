@@ -82,3 +82,42 @@ def _paper():
     from conftest import paper_train
 
     return paper_train()
+
+
+def pair(**more):
+    bodies = [gt.Body(name="pinion", inertia=2.3e-3, torque=150.0), gt.Body(name="wheel", inertia=37e-3, balances=True)]
+    mesh = gt.Mesh(between=("pinion", "wheel"), teeth=(20, 40), driving_radius=0.05, driven_radius=0.1, stiffness=2.5e8,
+                   damping_ratio=0.02, half_backlash=3e-5, stiffness_cos=(0.3, 0.05), stiffness_sin=0.1, **more)
+    return gt.Train(bodies=bodies, meshes=[mesh])
+
+
+@pytest.mark.parametrize("more", [{}, {"damping_acts": "contact", "back_stiffness": 2e8, "back_phase": 0.4}])
+def test_at_a_motion_that_parts(more):
+    """The average of the spring force over the deflection of the teeth while they touch, along the motion itself."""
+    train = pair(**more)
+    speed = 60 * train.explain()["train"]["natural_frequency"][0] / 20
+    motion = train.integrate(0.8 * speed, unit="rpm")
+    apart = motion.separation_fraction[0]
+    assert 0.05 < apart < 0.95
+    about = train.explain()["mesh 1"]
+    path = motion.trajectory(motion.period, samples=4096)
+    p, rate = path.displacement[:, 0] * 1e-6, path.velocity[:, 0] * 1e-6 * train.explain()["train"]["characteristic_frequency"]
+    touches = abs(p) > 3e-5
+    damping = about["damping"] * (touches if more else 1.0)
+    deflection = p - np.copysign(3e-5, p)
+    sure = touches & (abs(deflection) > 1e-9)
+    stiffness = np.where(sure, (path.mesh_force[:, 0] - damping * rate) / np.where(sure, deflection, 1.0), 0.0)
+    mass = 1 / (0.05**2 / 2.3e-3 + 0.1**2 / 37e-3)
+    values = np.linalg.eigvals(train.state_space(at=motion).A)
+    own = np.roots([1.0, np.mean(damping * np.ones(len(p))) / mass, stiffness.mean() / mass])
+    assert sorted(values.imag)[-1] == pytest.approx(max(own.imag), rel=1e-3)
+    assert min(values.real[abs(values.imag) > 1]) == pytest.approx(own.real[0], rel=1e-3)
+
+
+def test_at_a_motion_in_contact():
+    train = reducer()
+    motion = train.integrate(500.0, unit="rpm")
+    assert not motion.separation_fraction.any()
+    assert train.state_space(at=motion).A == pytest.approx(train.state_space().A, rel=1e-6, abs=1e-6)
+    with pytest.raises(gt.InputError, match="at: must be a motion of this train"):
+        pair().state_space(at=motion)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,14 +14,16 @@ from .._core.description import Description
 from ..errors import InputError, shown
 from .modes import Modes
 
-__all__ = ["StateSpace", "state_space_of"]
+__all__ = ["StateSpace", "averaged", "state_space_of"]
 
 Array = NDArray[np.float64]
+_SAMPLES, _MOST = 2048, 2**19  # of a mesh cycle, for the share of time in contact; of a period of the fundamental
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StateSpace:
-    """dx/dt = A x + B u, y = C x + D u, in SI units and seconds: deviations from the steady motion of the mean train in contact.
+    """dx/dt = A x + B u, y = C x + D u, in SI units and seconds: deviations from the steady motion of the mean train in contact, or
+    of the train averaged over a periodic motion.
 
     Attributes
     ----------
@@ -97,6 +100,46 @@ def state_space_of(train: Description, modes: Modes, inputs: Sequence[str] | Non
     motion = [f"mode {number}" for number in range(1, elastic + 1)] + [f"rigid motion {number}" for number in range(1, rigid + 1)]
     states = (*motion[:elastic], *(f"rate of {name}" for name in motion))
     return StateSpace(a, b, c, np.zeros((len(told), len(asked))), states, asked, told, tuple(units))
+
+
+def averaged(train: Any, motion: Any) -> Any:
+    """The train with the stiffness and damping that its teeth have on average over a periodic motion: none while they are apart."""
+    if getattr(motion, "kind", "") != "periodic":
+        raise InputError(f"at = {shown(motion)}: must be a periodic motion")
+    if train.couplings or train.bearings or motion.displacement.shape[1] != len(train.meshes):
+        raise InputError("at: must be a motion of this train, and the train without couplings and bearings")
+    numbers, meshes = train.explain(), []
+    fastest = max(numbers[f"mesh {number}"]["order"] for number in range(1, len(train.meshes) + 1))
+    waves = motion.trajectory(motion.period, samples=min(_SAMPLES * int(max(1, fastest)), _MOST)).displacement
+    for place, mesh in enumerate(train.meshes):
+        name = f"mesh {place + 1}"
+        if mesh.driving_tooth_stiffness is not None or mesh.driven_tooth_stiffness is not None or mesh.table_loads is not None:
+            raise InputError(f"at: {name} has stiffnesses of single teeth or of loads, which are not averaged")
+        about, displacement = numbers[name], waves[:, place] * numbers["train"]["characteristic_length"]
+        gap = about.get("half_backlash", 0.0)
+        drive = displacement > gap if gap else np.ones(len(displacement), bool)
+        back = displacement < -gap if gap else ~drive
+        angle = 2 * np.pi * motion.period * about["order"] * np.arange(len(displacement)) / len(displacement)
+        share = np.where(drive, _kappa(about, angle), 0.0).mean()
+        share += (mesh.back_stiffness or about["stiffness"]) / about["stiffness"] * np.where(
+            back, _kappa(about, angle - (mesh.back_phase or 0.0)), 0.0).mean()
+        if share <= 0:
+            raise InputError(f"at: the teeth of {name} do not touch in this motion")
+        touches = (drive | back).mean() if mesh.damping_acts == "contact" else 1.0
+        meshes.append(replace(mesh, stiffness=float(share * about["stiffness"]), damping=float(touches * about["damping"]),
+                              damping_ratio=None, loss_factor=None, back_stiffness=None))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the train as it is has told them
+        return replace(train, meshes=meshes)
+
+
+def _kappa(about: Any, angle: Array) -> Array:
+    """Mesh stiffness over its mean at angles of the mesh cycle."""
+    found = np.ones(len(angle))
+    for values, wave in ((about.get("stiffness_cos"), np.cos), (about.get("stiffness_sin"), np.sin)):
+        for harmonic, value in enumerate(np.atleast_1d([] if values is None else values), 1):
+            found += value * wave(harmonic * angle)
+    return found
 
 
 def _named(argument: str, names: Sequence[str] | None, usual: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
