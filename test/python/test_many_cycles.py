@@ -88,3 +88,19 @@ def test_a_window_has_the_forces_of_a_tenth_of_the_common_period(train):
     reached = share.mesh_force_maximum.max(axis=0)
     assert (reached <= found.mesh_force_maximum + found.force_uncertainty).all()
     assert (reached > 0.9 * found.mesh_force_maximum).all()
+
+
+def test_five_hunting_stages():
+    """Together they repeat themselves after 3e9 turns: orders nearby, by the ratios of the teeth to the error that is warned of."""
+    teeth = ((23, 71), (29, 73), (31, 79), (37, 83), (41, 89))
+    with pytest.warns(gt.DrawingWarning) as caught:
+        train = stages(*teeth)
+    messages = [str(one.message) for one in caught]
+    told = next(words for words in messages if "millions of cycles of this mesh; the mesh frequencies are taken" in words)
+    off = float(told.split("are taken ")[1].split(" off")[0])
+    speed, about = 1.0, train.explain()
+    for number, (driving, driven) in enumerate(teeth, 1):
+        found = about[f"mesh {number}"]["order"] / about["train"]["speed_ratio"]
+        assert found == pytest.approx(driving * speed, rel=1.001 * off)
+        speed *= driving / driven
+    assert off < 1e-4

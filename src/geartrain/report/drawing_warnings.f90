@@ -132,7 +132,10 @@ contains
       if (.not. found%order_error > 0) return
       fastest = maxloc(found%order, 1)
       if (found%exact_order(fastest) == 0) then
-         words = 'by speed_ratio the meshes have no common period'
+         words = 'by the teeth all meshes together repeat themselves after millions of cycles of this mesh'
+         if (allocated(train%bodies)) then
+            if (any(train%bodies%ratio_given)) words = 'by speed_ratio the meshes have no common period'
+         end if
       else
          words = 'by the teeth all meshes together repeat themselves after '//integer_text(found%exact_order(fastest))// &
                  ' cycles of this mesh'

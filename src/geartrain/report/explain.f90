@@ -340,7 +340,8 @@ contains
          if (mesh%order == 0) words = 'mesh frequency over the fundamental frequency, '// &
                                       trim(merge('from the teeth', 'default       ', context%toothed))
          if (context%kinematics%order_error > 0) then
-            if (context%kinematics%exact_order(i) == 0) words = words//' and speed_ratio, nearly: they have no common period'
+            if (context%kinematics%exact_order(i) == 0) words = words//', nearly: together they repeat themselves &
+               &after millions of cycles, or never'
             if (context%kinematics%exact_order(i) > 0) words = words//', which make it the multiple '// &
                integer_text(context%kinematics%exact_order(i))//' of their own fundamental'
          end if
