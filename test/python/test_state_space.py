@@ -84,14 +84,21 @@ def _paper():
     return paper_train()
 
 
+TABLE = tuple(2.5e8 * (1 + 0.3 * np.cos(2 * np.pi * k / 16)) for k in range(16))
+
+
 def pair(**more):
     bodies = [gt.Body(name="pinion", inertia=2.3e-3, torque=150.0), gt.Body(name="wheel", inertia=37e-3, balances=True)]
-    mesh = gt.Mesh(between=("pinion", "wheel"), teeth=(20, 40), driving_radius=0.05, driven_radius=0.1, stiffness=2.5e8,
-                   damping_ratio=0.02, half_backlash=3e-5, stiffness_cos=(0.3, 0.05), stiffness_sin=0.1, **more)
+    usual = {"stiffness": 2.5e8, "stiffness_cos": (0.3, 0.05), "stiffness_sin": 0.1}
+    mesh = gt.Mesh(between=("pinion", "wheel"), teeth=(20, 40), driving_radius=0.05, driven_radius=0.1, damping_ratio=0.02,
+                   half_backlash=3e-5, **{**usual, **more})
     return gt.Train(bodies=bodies, meshes=[mesh])
 
 
-@pytest.mark.parametrize("more", [{}, {"damping_acts": "contact", "back_stiffness": 2e8, "back_phase": 0.4}])
+@pytest.mark.parametrize("more", [
+    {}, {"stiffness": None, "stiffness_cos": None, "stiffness_sin": None, "stiffness_table": TABLE},
+    {"damping_acts": "contact", "back_stiffness": 2e8, "back_phase": 0.4},
+])
 def test_at_a_motion_that_parts(more):
     """The average of the spring force over the deflection of the teeth while they touch, along the motion itself."""
     train = pair(**more)
@@ -103,7 +110,7 @@ def test_at_a_motion_that_parts(more):
     path = motion.trajectory(motion.period, samples=4096)
     p, rate = path.displacement[:, 0] * 1e-6, path.velocity[:, 0] * 1e-6 * train.explain()["train"]["characteristic_frequency"]
     touches = abs(p) > 3e-5
-    damping = about["damping"] * (touches if more else 1.0)
+    damping = about["damping"] * (touches if "damping_acts" in more else 1.0)
     deflection = p - np.copysign(3e-5, p)
     sure = touches & (abs(deflection) > 1e-9)
     stiffness = np.where(sure, (path.mesh_force[:, 0] - damping * rate) / np.where(sure, deflection, 1.0), 0.0)

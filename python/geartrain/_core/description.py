@@ -68,7 +68,9 @@ class Description(TrainVariables):
                 found[name].append(given)
         carried = (replace(body, added_inertia=given.get("added_inertia")) for body, given in zip(self.bodies, found["body"]))
         bodies = [*carried, *(Body(**given) for given in found["body"][len(self.bodies):])]
-        meshes = [*self.meshes, *(Mesh(**given) for given in found["mesh"][len(self.meshes):])]
+        placed = (replace(mesh, phase=given.get("phase")) if mesh.phase in (None, 0.0) else mesh
+                  for mesh, given in zip(self.meshes, found["mesh"]))
+        meshes = [*placed, *(Mesh(**given) for given in found["mesh"][len(self.meshes):])]
         for name, parts in (("bodies", bodies), ("meshes", meshes), ("planetaries", ())):
             object.__setattr__(self, name, tuple(parts))
 

@@ -127,7 +127,8 @@ def averaged(train: Any, motion: Any) -> Any:
             raise InputError(f"at: the teeth of {name} do not touch in this motion")
         touches = (drive | back).mean() if mesh.damping_acts == "contact" else 1.0
         meshes.append(replace(mesh, stiffness=float(share * about["stiffness"]), damping=float(touches * about["damping"]),
-                              damping_ratio=None, loss_factor=None, back_stiffness=None))
+                              damping_ratio=None, loss_factor=None, back_stiffness=None, stiffness_table=None,
+                              stiffness_cos=None, stiffness_sin=None, contact_ratio=None))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the train as it is has told them
         return replace(train, meshes=meshes)

@@ -78,9 +78,8 @@ contains
          if (size(pairs, 2) < 2) cycle
          associate (own => numbers%turn(pairs(1, :)) - numbers%turn(pairs(1, 1)), &
                     its => others%turn(pairs(2, :)) - others%turn(pairs(2, 1)))
-            ! The suns of both may turn in opposite senses, in which the angles count.
+            ! The planets turn as one, so the suns of both turn in one sense, in which the angles count.
             if (all(abs(own - its - anint(own - its)) < same_angle)) cycle
-            if (all(abs(own + its - anint(own + its)) < same_angle)) cycle
          end associate
          call checker%enter('planetary', index)
          call checker%complain(trim(merge('angles ', 'planets', is_given(sets(index)%angles))), '...', "must put the planets at &

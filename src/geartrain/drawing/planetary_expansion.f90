@@ -138,7 +138,7 @@ contains
       type(planetary_type), intent(in) :: set
       type(set_type), intent(in) :: numbers
       type(train_type), intent(inout) :: train
-      integer :: kind, i, j, n, side, like
+      integer :: kind, i, j, n, side, like, alike, end_of_first
 
       kind = merge(sun_meshes, ring_meshes, numbers%has(sun_meshes))
       do i = 1, size(train%meshes)
@@ -146,14 +146,15 @@ contains
          do side = 1, 2
             n = findloc([(planet_name(set, j) == train%meshes(i)%between(side), j=1, numbers%planets)], .true., 1)
             if (n < 2) cycle
-            like = 0
+            alike = 0
             do j = 1, size(train%meshes)
-               if (train%meshes(j)%between(side) /= planet_name(set, 1)) cycle
-               if (.not. same_teeth(train%meshes(i), train%meshes(j))) cycle
-               if (like > 0) return
+               end_of_first = findloc(train%meshes(j)%between == planet_name(set, 1), .true., 1)
+               if (end_of_first == 0) cycle
+               if (.not. same_teeth(train%meshes(i), train%meshes(j), end_of_first /= side)) cycle
                like = j
+               alike = alike + 1
             end do
-            if (like == 0) cycle
+            if (alike /= 1) cycle
             train%meshes(i)%phase = train%meshes(like)%phase + &
                                     2*pi*numbers%lag(kind, n, whole(set%teeth(merge(1, 3, kind == sun_meshes))))
          end do
@@ -161,12 +162,16 @@ contains
    end subroutine place_meshes
 
    !> Whether two meshes have gears of equal teeth, and a common carrier.
-   pure logical function same_teeth(one, other)
+   pure logical function same_teeth(one, other, turned)
       type(mesh_type), intent(in) :: one, other
+      !> The driving gear of one is the driven gear of the other.
+      logical, intent(in) :: turned
 
       same_teeth = one%carrier == other%carrier .and. is_given(one%teeth) .and. is_given(other%teeth)
       if (same_teeth) same_teeth = size(one%teeth) == size(other%teeth)
-      if (same_teeth) same_teeth = all(abs(one%teeth - other%teeth) <= 0)
+      if (.not. same_teeth) return
+      if (turned) same_teeth = all(abs(one%teeth(size(one%teeth):1:-1) - other%teeth) <= 0)
+      if (.not. turned) same_teeth = all(abs(one%teeth - other%teeth) <= 0)
    end function same_teeth
 
    subroutine add_planets(set, planets, train)
