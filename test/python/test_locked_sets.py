@@ -1,5 +1,7 @@
 """Planetary sets that turn as one: direct gears, and power splits whose machines turn alike."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import ROOT, run
@@ -108,3 +110,20 @@ def test_machines_that_turn_alike(executable, tmp_path):
     found = run(executable, "--check", "case.nml", cwd=tmp_path)
     assert found.returncode == 0
     assert "turn as one with their carrier" in found.stderr
+
+
+def test_gears_that_stand_still():
+    """The ring of a power split is stopped by its ratio, and with it a gear pair: it excites nothing, and a warning says so."""
+    bodies = [gt.Body(name="sun", inertia=1e-3, torque=100.0), gt.Body(name="arm", inertia=0.08, balances=True),
+              gt.Body(name="ring", inertia=0.1, speed_ratio=0.0), gt.Body(name="wheel", inertia=0.01, balances=True)]
+    stage = gt.Planetary(name="a", sun="sun", ring="ring", carrier="arm", teeth=(18, 21, 60), planets=3, normal_module=4e-3,
+                         planet_inertia=2e-3, stiffness=(1e9, 1e9), damping_ratio=0.03, half_backlash=4e-5)
+    mesh = gt.Mesh(between=("ring", "wheel"), teeth=(70, 71), driving_radius=0.2, driven_radius=0.2 * 71 / 70, stiffness=1e8,
+                   damping_ratio=0.05, half_backlash=5e-5, error_cos=3e-6, stiffness_cos=0.2)
+    with pytest.warns(gt.DrawingWarning, match="the gears of ring - wheel stand still: here"):
+        train = gt.Train(bodies=bodies, planetaries=[stage], meshes=[mesh])
+    assert train.explain()["mesh 1"]["order"] == 0
+    with pytest.warns(gt.DrawingWarning):
+        without = replace(train, meshes=[replace(train.meshes[0], error_cos=None, stiffness_cos=None), *train.meshes[1:]])
+    found, wanted = (each.integrate(3000.0, unit="rpm").mesh_force for each in (train, without))
+    assert np.ptp(wanted[:, 0]) > 1 and found == pytest.approx(wanted, rel=1e-9, abs=1e-6)

@@ -286,6 +286,7 @@ contains
       class(checker_type), intent(inout) :: checker
       type(kinematics_type) :: found
       character(24) :: name
+      character(:), allocatable :: words
       logical :: toothed, unknown
       integer :: i, gear
 
@@ -332,8 +333,13 @@ contains
       if (.not. found%known) then
          if (checker%problems%in_group('body') .or. checker%problems%in_group('train') .or. &
              checker%problems%in_group('mesh')) return
-         if (found%turning%determined) call checker%problems%add('the ratios of the teeth make a fundamental whose orders are &
-            &beyond '//integer_text(most_order)//': give order and the radii in place of the teeth', 'train', 1, names_group=.true.)
+         words = 'the ratios of the teeth make a fundamental whose orders are beyond '//integer_text(most_order)// &
+                 ': give order and the radii in place of the teeth'
+         if (allocated(train%bodies)) then
+            if (any(train%bodies%ratio_given)) words = words//', or a speed_ratio of small whole numbers, as 1/3, by which errors &
+               &of gears and torques of revolutions repeat themselves with the meshes'
+         end if
+         if (found%turning%determined) call checker%problems%add(words, 'train', 1, names_group=.true.)
          return
       end if
       do i = 1, merge(size(found%turning%speed), 0, allocated(train%bodies))

@@ -93,6 +93,8 @@ contains
       if (all_toothed(train)) then
          if (found%known) then
             where (train%meshes%order == 0) plain%meshes%order = found%order
+            ! With speed_ratio = 0 gears may stand still without a carrier.
+            where (train%meshes%is_pair() .and. found%order == 0) plain%meshes%locked = .true.
             do i = 1, size(train%meshes)
                if (.not. train%meshes(i)%is_pair()) cycle
                do gear = 1, 2
@@ -128,6 +130,7 @@ contains
       if (allocated(mesh%stage_cos)) mesh%stage_cos(:, :) = 0
       if (allocated(mesh%stage_sin)) mesh%stage_sin(:, :) = 0
       do gear = 1, 2
+         mesh%stiffness = mesh%stiffness*mesh%gear_error(gear)%factor_mean
          mesh%gear_error(gear) = gear_error_type()
       end do
    end subroutine still

@@ -45,14 +45,16 @@ contains
       type(train_type), intent(in) :: plain
       type(text_type), allocatable, intent(inout) :: warnings(:)
       character(label_length) :: labels(size(plain%meshes))
+      character(:), allocatable :: words
       integer :: i
 
       labels = mesh_labels(plain)
       do i = 1, size(plain%meshes)
          if (.not. plain%meshes(i)%locked .or. any(plain%meshes(:i - 1)%carrier == plain%meshes(i)%carrier)) cycle
-         call add_warning(warnings, 'mesh', i, 'the gears of '//trim(labels(i))//' turn as one with their carrier '''// &
-                          trim(plain%meshes(i)%carrier)//''': here and in its other meshes teeth stand still, at a place of the &
-                          &cycle that is not known, and bear with their mean stiffness')
+         words = ' stand still'
+         if (plain%meshes(i)%carrier /= '') words = " turn as one with their carrier '"//trim(plain%meshes(i)%carrier)//"'"
+         call add_warning(warnings, 'mesh', i, 'the gears of '//trim(labels(i))//words//': here and in its other meshes teeth &
+                          &stand still, at a place of the cycle that is not known, and bear with their mean stiffness')
       end do
    end subroutine warn_of_locked
 

@@ -237,9 +237,22 @@ contains
       else
          call go_nearby(found, multiple)
          found%known = allocated(found%exact_order)
+         ! That of the frequencies themselves, not of their fine multiples.
+         found%order_error = max(maxval(off(found%order, engaging*found%speed_ratio)), &
+                                 maxval(off(found%revolution_order, revolving*found%speed_ratio)))
       end if
       if (allocated(found%exact_order)) found%exact_order = 0
    end subroutine find_orders_of_speeds
+
+   !> Relative difference of an order from what it stands for; 0 where that is 0.
+   elemental real(dp) function off(order, frequency)
+      integer, intent(in) :: order
+      !> Multiple of the fundamental [1].
+      real(dp), intent(in) :: frequency
+
+      off = 0
+      if (frequency > 0) off = abs(order/frequency - 1)
+   end function off
 
    !> Relative difference of an order from a whole number above 0; 0 where it is 0 itself.
    elemental real(dp) function off_whole(order)
