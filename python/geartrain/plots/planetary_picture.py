@@ -33,7 +33,7 @@ def stages_of(train: Description) -> dict[str, Mapping[str, Any]]:
 def planet_angles(told: Mapping[str, Any], teeth: int) -> Array:
     """Angles of the planets from the first one [turns], in the sense in which the sun turns seen from the carrier.
 
-    They are those nearest to equal spacing that have the phases of the meshes. ``told`` is what is told of the set, ``teeth`` the
+    They are those nearest to equal spacing that have the phases of the meshes. ``told`` has the numbers of the set, ``teeth`` the
     number of teeth of its sun, or of its ring where it has no sun; 0: not known.
     """
     number = int(told["planets"])
@@ -43,7 +43,7 @@ def planet_angles(told: Mapping[str, Any], teeth: int) -> Array:
     kind, sense = ("sun", 1) if "sun_phase" in told else ("ring", -1)
     lag = np.asarray(told[f"{kind}_phase"]) - told[f"{kind}_phase"][0]
     near: list[Array] = [(sense * lag + np.round(teeth * even - sense * lag)) / teeth for even in (equal, -equal)]
-    # Planets may be numbered against the sense of the sun, as those of a Ravigneaux set on the sun that turns backwards.
+    # Planets may be numbered against the sense of the sun, as in a Ravigneaux set on the sun that turns backwards.
     backwards = not np.allclose(near[0], equal) and np.allclose(near[1], -equal)
     return near[int(backwards)]
 

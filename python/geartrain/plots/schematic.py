@@ -124,8 +124,8 @@ def draw_schematic(
     ax : matplotlib.axes.Axes
         Where to draw.
     speed : float, optional
-        Revolutions per minute of the body that tells the speed: those of every body are told then, else its turns; negative where
-        a body turns against that body.
+        Of the body whose revolutions are the speed [rpm]: each body then has its own, else its turns; negative where it turns the
+        other way.
     body_color : sequence, optional
         Of each body.
     strength : mapping, optional

@@ -121,7 +121,7 @@ def owners_of(train: Description, orders: Iterable[float], names: dict[float, st
 
 
 def orders_of(train: Description | None, orders: Iterable[float | str] | None) -> dict[float, str]:
-    """Orders with what to call them: numbers are multiples of the fundamental, names those of `names_of_causes`.
+    """Orders with what to call them: numbers are multiples of the fundamental, names are as `names_of_causes` has them.
 
     None: the orders of the meshes and their doubles. An order without a name is called by its owner, or by its number.
     """
