@@ -90,14 +90,22 @@ contains
       real(dp), intent(in) :: u(:, :)
       !> Lambda [1], or the parameter of the path [its unit], which the path must reach.
       real(dp), intent(in) :: s
+
+      if (allocated(self%path)) then
+         call evaluate_on_path(self, u, s)
+      else
+         call self%evaluate_at(u, s)
+      end if
+   end subroutine evaluate
+
+   !> Forces, residual and its derivative with respect to the parameter of the path, by trains beside the train.
+   subroutine evaluate_on_path(self, u, s)
+      class(balance_type), intent(inout) :: self
+      real(dp), intent(in) :: u(:, :), s
       type(balance_type) :: beside
       type(system_type), target :: side
       real(dp) :: from, to
 
-      if (.not. allocated(self%path)) then
-         call self%evaluate_at(u, s)
-         return
-      end if
       associate (path => self%path)
          call path%system_at(s, self%system)
          call self%take(self%system)
@@ -124,7 +132,7 @@ contains
          call beside%evaluate_at(u, self%path%frequency_ratio)
       end subroutine find_beside
 
-   end subroutine evaluate
+   end subroutine evaluate_on_path
 
    !> Goes on with another train of the same unknowns.
    subroutine take(self, system, beside)

@@ -91,10 +91,11 @@ contains
       integer, intent(in) :: sense
       !> Coefficients [1], (block, unknown).
       real(dp), intent(inout) :: x(:, :)
-      real(dp) :: shifted(size(x, 1), size(x, 2))
+      real(dp), allocatable :: shifted(:, :)
       integer :: i
 
       if (.not. allocated(self%later)) return
+      allocate (shifted, mold=x)
       do i = 1, size(x, 2)
          shifted(:, self%later(i)) = self%sign*x(:, i)
       end do

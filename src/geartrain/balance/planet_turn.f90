@@ -118,10 +118,11 @@ contains
       class(planet_turn_type), intent(in) :: self
       !> Coefficients [1], (block, unknown).
       real(dp), intent(inout) :: x(:, :)
-      real(dp) :: mean(size(x, 1))
+      real(dp), allocatable :: mean(:)
       integer :: i, j
 
       if (.not. allocated(self%orbit)) return
+      allocate (mean(size(x, 1)))
       call self%turn(-1, x)
       do i = 1, size(x, 2)
          if (self%orbit(i) /= i) cycle

@@ -5,7 +5,7 @@ module geartrain_linalg_trigonometric
    use geartrain_linalg_fftw, only: transform_type
    implicit none (type, external)
    private
-   public :: evaluate, sample, extremes, next_maximum, least_height, rms, fine_samples, own_resolution, resolution, &
+   public :: evaluate, inner, sample, extremes, next_maximum, least_height, rms, fine_samples, own_resolution, resolution, &
       transform_length
 
    !> Distance of neighbouring harmonics beyond which a power of exp(i theta) takes longer than cosine and sine.
@@ -350,5 +350,14 @@ contains
 
       rms = norm2(u(2:))
    end function rms
+
+   !> Inner product of coefficients: products of the means plus half of all other products.
+   pure real(dp) function inner(a, b)
+      !> Coefficients [1], (block, unknowns).
+      real(dp), intent(in) :: a(:, :), b(:, :)
+
+      inner = 0
+      if (size(a) > 0) inner = 0.5_dp*(sum(a*b) + sum(a(1, :)*b(1, :)))
+   end function inner
 
 end module geartrain_linalg_trigonometric

@@ -1,6 +1,7 @@
 !> Contact edges of a branch: where a mesh begins or ceases to separate, its back flanks to collide, or a coupling to reach a
 !> stage. The balance is solved there.
 module geartrain_readings_contact_edges
+   use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_observer, only: observer_type
    use geartrain_linalg_bracket, only: between, shrink
@@ -10,11 +11,12 @@ module geartrain_readings_contact_edges
    use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: branch_type, carried_by, contact_edge_type, gap_along, response_settings_type
+   use geartrain_trace_condition, only: condition_type
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_decided, only: joined
    use geartrain_trace_points, only: motion_of
    use geartrain_trace_special_points, only: rms_of
-   use geartrain_trace_stages, only: depth_of_stage, no_stage, stages_of
+   use geartrain_trace_stages, only: depth_of_stage, no_stage, rest_of, stages_of
    use geartrain_trace_start, only: begin_trace, solution_of
    use geartrain_trace_tracer, only: tracer_type
    use geartrain_train_train, only: train_type
@@ -25,9 +27,8 @@ module geartrain_readings_contact_edges
    !> Edges that are located at most, the first ones along the branch; further edges are interpolated where they are needed.
    integer, parameter :: most_edges = 1000
    integer, parameter :: most_steps = 20
-   !> Depth at an edge on the polynomial, over half the backlash [1]; square of the last step on the branch over the length of the
-   !> piece, about the error of the edge [units_type].
-   real(dp), parameter :: located = 1e-7_dp, nearly = 1e-13_dp
+   !> Depth at an edge on the polynomial, over half the backlash [1].
+   real(dp), parameter :: located = 1e-7_dp
    !> A point closer to its neighbour than this share of the piece is no node of the polynomial [1].
    real(dp), parameter :: nearest = 0.03_dp
    !> Difference of the depths of meshes that move alike, as those of equal planets, over half the backlash [1]: rounding.
@@ -44,6 +45,21 @@ module geartrain_readings_contact_edges
       real(dp) :: at(4) = 0
    end type piece_type
 
+   !> That the depth of a mesh is 0, see depth_below.
+   type, extends(condition_type) :: edge_condition_type
+      type(system_type), pointer :: system => null()
+      type(transform_type), pointer :: transform => null()
+      integer :: mesh = 0, stage = no_stage
+      logical :: back = .false.
+      !> Half backlash of the mesh at Lambda = 0 and its derivative [1]: along a path in a parameter on the chord of the piece,
+      !> which is exact unless the backlash follows from a drawing.
+      real(dp) :: gap = 0, gap_rate = 0
+   contains
+      procedure :: evaluate
+      procedure :: depth
+      procedure :: is_maximum
+   end type edge_condition_type
+
 contains
 
    !> Fills branch%contact_edges.
@@ -58,15 +74,16 @@ contains
       class(observer_type), intent(inout), optional :: observer
       type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
-      type(transform_type) :: transform
+      type(transform_type), target :: transform
       type(contact_edge_type), allocatable :: edges(:)
       type(piece_type) :: piece
       type(solution_point_type) :: solution
+      type(edge_condition_type) :: condition
       real(dp), allocatable :: gap(:, :), ends(:, :)
       integer, allocatable :: stages(:)
-      integer :: i, j, k, n, stage, before
+      integer :: i, j, k, n, before
       logical, allocatable :: staged(:)
-      logical :: shot, ready, keep_going, back
+      logical :: shot, ready, keep_going
 
       if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
       if (branch%points < 2) return
@@ -79,6 +96,9 @@ contains
       n = 0
       shot = has_friction(train)
       call begin_trace(train, settings, systems, tracer, branch)
+      condition%system => tracer%system
+      condition%transform => transform
+      condition%varies = .true.
       ! Over a parameter the walls may move.
       allocate (staged(branch%meshes), source=.false.)
       if (.not. allocated(branch%parameter)) staged = [(size(stages_of(tracer%system, j)) > 0, j=1, branch%meshes)]
@@ -91,9 +111,9 @@ contains
             if (staged(j)) stages = stages_of(tracer%system, j)
             do k = 1, 2 + size(stages)
                if (k <= 2 .and. .not. all(gap(i:i + 1, j) > 0)) cycle
-               back = k == 2
-               stage = no_stage
-               if (k > 2) stage = stages(k - 2)
+               condition%back = k == 2
+               condition%stage = no_stage
+               if (k > 2) condition%stage = stages(k - 2)
                call add_edge(j)
             end do
          end do
@@ -112,8 +132,9 @@ contains
          real(dp) :: first, last
          integer :: same
 
-         first = depth(j, branch%minimum(j, i), branch%maximum(j, i), gap(i, j), back)
-         last = depth(j, branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j), back)
+         condition%mesh = j
+         first = condition%depth(branch%minimum(j, i), branch%maximum(j, i), gap(i, j))
+         last = condition%depth(branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j))
          if (first*last >= 0 .or. n == most_edges) return
          if (.not. (ready .or. shot)) call prepare_piece(i)
          ready = .true.
@@ -123,8 +144,8 @@ contains
                     rms => branch%rms(:, i:i + 1))
             edge%point = i
             edge%mesh = j
-            edge%back = back
-            edge%stage = stage
+            edge%back = condition%back
+            edge%stage = condition%stage
             same = edge_alike(j)
             if (same > 0) then
                edge%interpolated = edges(same)%interpolated
@@ -136,7 +157,8 @@ contains
                edge%frequency_ratio = at(1) + share*(at(2) - at(1))
                edge%rms = rms(:, 1) + share*(rms(:, 2) - rms(:, 1))
             else
-               call locate(j, back, first, last, edge%frequency_ratio, edge%interpolated)
+               call locate(first, last, edge%interpolated)
+               edge%frequency_ratio = solution%frequency_ratio
                edge%rms = rms_of(tracer%corrector, solution)
             end if
          end associate
@@ -148,7 +170,7 @@ contains
 
          do edge_alike = n - 1, before + 1, -1
             associate (edge => edges(edge_alike))
-               if ((edge%back .neqv. back) .or. edge%stage /= stage .or. stage /= no_stage) cycle
+               if ((edge%back .neqv. condition%back) .or. edge%stage /= no_stage .or. condition%stage /= no_stage) cycle
                if (all(abs(gap(i:i + 1, edge%mesh) - gap(i:i + 1, j)) <= alike*gap(i:i + 1, j)) .and. &
                    all(abs(ends(:, edge_alike) - ends(:, n)) <= alike*gap(i:i + 1, j))) return
             end associate
@@ -172,7 +194,6 @@ contains
          piece%length = chord(piece%node(1), piece%node(2))
          piece%at(:2) = [0.0_dp, piece%length]
          solution = piece%node(1)
-         allocate (solution%tangent, mold=solution%u)
          do m = i - 1, i + 2, 3
             if (m < 1 .or. m > branch%points) cycle
             if (.not. joined(branch, merge(m, m - 1, m < i))) cycle
@@ -193,152 +214,122 @@ contains
          chord = tracer%corrector%length_of(to%u - from%u, to%frequency_ratio - from%frequency_ratio)
       end function chord
 
-      !> Lambda at which the depth of mesh j is zero: found on the polynomial, then on the branch by solving the balance; on
-      !> the polynomial where the balance has no solution nearby.
-      subroutine locate(j, back, first, last, frequency_ratio, interpolated)
-         integer, intent(in) :: j
-         logical, intent(in) :: back
+      !> Makes `solution` the point at which the depth is zero: found on the polynomial, then on the branch by solving the balance;
+      !> that on the polynomial where the balance has no solution nearby.
+      subroutine locate(first, last, interpolated)
          !> Depths at the two ends of the piece, of different signs.
          real(dp), intent(in) :: first, last
-         real(dp), intent(out) :: frequency_ratio
          !> Whether it lies on the polynomial.
          logical, intent(out) :: interpolated
          type(solution_point_type) :: guess
-         real(dp) :: a, b, fa, fb, f, s, slope, way, root
+         real(dp) :: a, b, fa, fb, s, scale
          integer :: kept, step
          logical :: success
 
+         condition%gap = gap(i, condition%mesh)
+         condition%gap_rate = 0
+         if (abs(gap(i + 1, condition%mesh) - condition%gap) > 0) then
+            condition%gap_rate = (gap(i + 1, condition%mesh) - condition%gap) &
+                                 /(piece%node(2)%frequency_ratio - piece%node(1)%frequency_ratio)
+            condition%gap = condition%gap - condition%gap_rate*piece%node(1)%frequency_ratio
+         end if
+         scale = gap(i, condition%mesh)
+         if (condition%stage /= no_stage) scale = maxval(abs(tracer%system%law(condition%mesh)%wall))
          a = 0
          b = piece%length
          fa = first
          fb = last
          kept = 0
-         interpolated = .false.
          do step = 1, most_steps
             s = between(a, b, fa, fb)
             call go_along(piece, s, solution)
-            f = depth_at(solution, j, back)
-            if (abs(f) < located*scale_at(solution, j)) exit
-            call shrink(a, b, fa, fb, s, f, kept)
+            call condition%evaluate(tracer%corrector%balance, solution%u, solution%frequency_ratio)
+            if (abs(condition%value) < located*scale) exit
+            call shrink(a, b, fa, fb, s, condition%value, kept)
          end do
-         root = s
-         a = 1e-4_dp*piece%length
-         call go_along(piece, s + a, solution)
-         slope = depth_at(solution, j, back)
-         call go_along(piece, s - a, solution)
-         slope = (slope - depth_at(solution, j, back))/(2*a)
-         call go_along(piece, s, solution)
-         do step = 1, most_steps
-            guess = solution
-            call tracer%corrector%correct(solution, success)
-            if (.not. success) exit
-            f = depth_at(solution, j, back)
-            way = step_to_zero(piece, s, f, slope)
-            frequency_ratio = solution%frequency_ratio + solution%tangent_frequency*way
-            if (way**2 < nearly*piece%length) return
-            ! A short step further the difference between branch and polynomial is about the present one.
-            guess%u = solution%u - guess%u
-            guess%frequency_ratio = solution%frequency_ratio - guess%frequency_ratio
-            s = s + way
-            if (.not. abs(s - piece%length/2) < piece%length) exit
-            call go_along(piece, s, solution)
-            solution%u = solution%u + guess%u
-            solution%frequency_ratio = solution%frequency_ratio + guess%frequency_ratio
-         end do
-         interpolated = .true.
-         call go_along(piece, root, solution)
-         frequency_ratio = solution%frequency_ratio
+         guess = solution
+         call tracer%corrector%newton(solution, condition, piece%length, success)
+         if (success) success = chord(guess, solution) < piece%length
+         interpolated = .not. success
+         if (interpolated) solution = guess
       end subroutine locate
-
-      !> Depth of mesh j at a solution point, see depth_below.
-      real(dp) function depth_at(solution, j, back)
-         type(solution_point_type), intent(in) :: solution
-         integer, intent(in) :: j
-         logical, intent(in) :: back
-         real(dp) :: smallest, largest
-
-         ! A mesh with backlash or stages is an unknown of the balance.
-         associate (balance => tracer%corrector%balance)
-            call extremes(solution%u(:, findloc(balance%mesh, j, 1)), balance%harmonic, transform, smallest, largest)
-         end associate
-         depth_at = depth(j, smallest, largest, gap_at(solution, j), back)
-      end function depth_at
-
-      !> Depth by the extremes of the displacement of mesh j.
-      pure real(dp) function depth(j, smallest, largest, gap, back)
-         integer, intent(in) :: j
-         real(dp), intent(in) :: smallest, largest, gap
-         logical, intent(in) :: back
-
-         if (stage == no_stage) then
-            depth = depth_below(smallest, largest, gap, back)
-         else
-            depth = depth_of_stage(tracer%system, j, stage, smallest, largest)
-         end if
-      end function depth
-
-      !> Displacement beside which a depth is small [1].
-      real(dp) function scale_at(solution, j)
-         type(solution_point_type), intent(in) :: solution
-         integer, intent(in) :: j
-
-         scale_at = gap_at(solution, j)
-         if (stage /= no_stage) scale_at = maxval(abs(tracer%system%law(j)%wall))
-      end function scale_at
-
-      !> Half backlash of mesh j at a solution point of the piece: along a path in a parameter between those of its ends, which is
-      !> exact unless the backlash follows from a drawing.
-      real(dp) function gap_at(solution, j)
-         type(solution_point_type), intent(in) :: solution
-         integer, intent(in) :: j
-         real(dp) :: share
-
-         share = 0
-         if (abs(gap(i + 1, j) - gap(i, j)) > 0) share = (solution%frequency_ratio - piece%node(1)%frequency_ratio) &
-                                                         /(piece%node(2)%frequency_ratio - piece%node(1)%frequency_ratio)
-         gap_at = gap(i, j) + share*(gap(i + 1, j) - gap(i, j))
-      end function gap_at
 
    end subroutine locate_contact_edges
 
-   !> Newton step from s to the zero of a depth on the branch, which is f at s. Its derivative is `slope` on the polynomial; the
-   !> difference between branch and polynomial, about f, is proportional to the product of the distances to the nodes.
-   pure real(dp) function step_to_zero(piece, s, f, slope)
-      type(piece_type), intent(in) :: piece
-      real(dp), intent(in) :: s, f, slope
-      real(dp) :: to_nodes(piece%nodes), rate
+   !> The depth is that of an extreme of the displacement: its gradient is that of the displacement at the angle of the extreme.
+   subroutine evaluate(self, balance, u, frequency_ratio)
+      class(edge_condition_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :), frequency_ratio
+      real(dp) :: smallest, largest, at(2), gap, sense
+      integer :: unknown, k
 
-      to_nodes = s - piece%at(:piece%nodes)
-      rate = slope
-      if (minval(abs(to_nodes)) > 1e-9_dp*piece%length) rate = rate + f*sum(1/to_nodes)
-      step_to_zero = 0
-      if (abs(f) > 0) step_to_zero = -f/sign(max(abs(rate), 1e-30_dp), rate)
-   end function step_to_zero
+      if (allocated(self%row)) then
+         if (any(shape(self%row) /= shape(u))) deallocate (self%row)
+      end if
+      if (.not. allocated(self%row)) allocate (self%row, mold=u)
+      self%row = 0
+      ! A mesh with backlash or stages is an unknown of the balance.
+      unknown = findloc(balance%mesh, self%mesh, 1)
+      call extremes(u(:, unknown), balance%harmonic, self%transform, smallest, largest, at)
+      gap = self%gap + self%gap_rate*frequency_ratio
+      self%value = self%depth(smallest, largest, gap)
+      self%row_frequency = 0
+      if (self%stage == no_stage) self%row_frequency = merge(1, -1, self%back)*self%gap_rate
+      associate (upper => self%is_maximum(smallest, largest))
+         sense = merge(-1, 1, upper)
+         self%row(1, unknown) = sense
+         do k = 1, size(balance%harmonic)
+            self%row(2*k:2*k + 1, unknown) = sense*[cos(balance%harmonic(k)*merge(at(2), at(1), upper)), &
+                                                    sin(balance%harmonic(k)*merge(at(2), at(1), upper))]
+         end do
+      end associate
+   end subroutine evaluate
 
-   !> Solution point and tangent of the polynomial at the distance s from the first node.
+   !> Depth by the extremes of the displacement.
+   pure real(dp) function depth(self, smallest, largest, gap)
+      class(edge_condition_type), intent(in) :: self
+      !> Extremes over characteristic length and half backlash [1].
+      real(dp), intent(in) :: smallest, largest, gap
+
+      if (self%stage == no_stage) then
+         depth = depth_below(smallest, largest, gap, self%back)
+      else
+         depth = depth_of_stage(self%system, self%mesh, self%stage, smallest, largest)
+      end if
+   end function depth
+
+   !> Whether the depth falls as the maximum of the displacement rises; else it rises as the minimum does.
+   pure logical function is_maximum(self, smallest, largest)
+      class(edge_condition_type), intent(in) :: self
+      !> Extremes over characteristic length [1].
+      real(dp), intent(in) :: smallest, largest
+
+      if (self%stage == no_stage) then
+         is_maximum = .not. self%back .and. -largest > smallest
+      else
+         is_maximum = self%stage > rest_of(self%system, self%mesh)
+      end if
+   end function is_maximum
+
+   !> Solution point of the polynomial at the distance s from the first node.
    pure subroutine go_along(piece, s, solution)
       type(piece_type), intent(in) :: piece
       real(dp), intent(in) :: s
       type(solution_point_type), intent(inout) :: solution
-      real(dp) :: weight, slope
+      real(dp) :: weight
       integer :: i, k
 
       solution%u = 0
       solution%frequency_ratio = 0
-      solution%tangent = 0
-      solution%tangent_frequency = 0
       do i = 1, piece%nodes
          weight = 1
-         slope = 0
          do k = 1, piece%nodes
             if (k == i) cycle
-            slope = (slope*(s - piece%at(k)) + weight)/(piece%at(i) - piece%at(k))
             weight = weight*(s - piece%at(k))/(piece%at(i) - piece%at(k))
          end do
          solution%u = solution%u + weight*piece%node(i)%u
          solution%frequency_ratio = solution%frequency_ratio + weight*piece%node(i)%frequency_ratio
-         solution%tangent = solution%tangent + slope*piece%node(i)%u
-         solution%tangent_frequency = solution%tangent_frequency + slope*piece%node(i)%frequency_ratio
       end do
    end subroutine go_along
 

@@ -7,13 +7,14 @@ module geartrain_readings_solutions
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_linalg_cubic, only: share_at
+   use geartrain_linalg_trigonometric, only: inner
    use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_check_train, only: check_train
    use geartrain_network_system, only: system_type
    use geartrain_readings_friction_solutions, only: friction_solutions_at
    use geartrain_trace_branch, only: branch_type, carried_by, coefficients_of, has_sets, &
       response_settings_type
-   use geartrain_trace_corrector, only: inner, solution_point_type
+   use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_same_solution, only: put_figures_in_order
    use geartrain_trace_start, only: begin_trace, solution_of
    use geartrain_trace_step_geometry, only: arc_length, go_along

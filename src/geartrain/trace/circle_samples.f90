@@ -100,16 +100,21 @@ contains
       real(dp) :: value(size(multipliers)), place
       integer :: i, n
 
-      associate (mu => multipliers)
-         if (kind == neimark_sacker) then
-            value = merge(none, abs(mu) - 1, abs(mu%im) <= 0)
-            n = 2*number - 1
-         else
-            place = merge(-1, 1, kind == doubling)
-            value = merge(place*mu%re - 1, -abs(mu - place), abs(mu%im) <= 0)
-            n = number
-         end if
-      end associate
+      n = number
+      if (kind == neimark_sacker) n = 2*number - 1
+      place = merge(-1, 1, kind == doubling)
+      do i = 1, size(multipliers)
+         associate (mu => multipliers(i))
+            if (abs(mu%im) <= 0) then
+               value(i) = place*mu%re - 1
+               if (kind == neimark_sacker) value(i) = none
+            else if (kind == neimark_sacker) then
+               value(i) = abs(mu) - 1
+            else
+               value(i) = -abs(mu - place)
+            end if
+         end associate
+      end do
       do i = 1, n - 1
          value(maxloc(value, 1)) = none
       end do

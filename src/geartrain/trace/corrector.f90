@@ -7,12 +7,14 @@ module geartrain_trace_corrector
    use geartrain_balance_fixed_space, only: fixed_space_type
    use geartrain_balance_planet_turn, only: planet_turn_type
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_trigonometric, only: inner
    use geartrain_network_equal_branches, only: equal_branches_type
    use geartrain_network_planet_symmetry, only: symmetry_type
    use geartrain_network_units, only: units_type
+   use geartrain_trace_condition, only: condition_type
    implicit none (type, external)
    private
-   public :: corrector_type, solution_point_type, inner
+   public :: corrector_type, solution_point_type
 
    !> Most iterations, and of damped ones; least share of a step.
    integer, parameter :: max_iterations = 10, max_damped = 20
@@ -70,6 +72,7 @@ module geartrain_trace_corrector
       procedure :: solve_at
       procedure :: solve_beside
       procedure :: correct
+      procedure :: newton
       procedure :: find_distance
       procedure :: orient
       procedure :: advance
@@ -77,7 +80,6 @@ module geartrain_trace_corrector
       procedure :: length_of
       procedure :: across
       procedure, private :: tolerance_at
-      procedure, private :: newton
       procedure, private :: find_tangent
    end type corrector_type
 
@@ -115,10 +117,12 @@ contains
       type(solution_point_type), intent(inout) :: solution
       !> Newton's method has converged.
       logical, intent(out) :: success
-      real(dp) :: row(self%balance%block, self%balance%unknowns)
+      type(condition_type) :: constant
 
-      row = 0
-      call self%newton(solution, row, 1.0_dp, huge(1.0_dp), success)
+      allocate (constant%row, mold=solution%u)
+      constant%row = 0
+      constant%row_frequency = 1
+      call self%newton(solution, constant, huge(1.0_dp), success)
    end subroutine solve_at
 
    !> Solves for Lambda too: in the hyperplane through the guess normal to the branches that pass it. At a fold of the exact motion
@@ -151,10 +155,11 @@ contains
       logical, intent(out) :: success
       !> Shortens steps that enlarge the residual, see `newton`.
       logical, intent(in), optional :: damped
-      real(dp) :: row(self%balance%block, self%balance%unknowns), row_frequency
+      type(condition_type) :: plane
 
-      call self%across(solution, row, row_frequency)
-      call self%newton(solution, row, row_frequency, huge(1.0_dp), success, damped)
+      allocate (plane%row, mold=solution%u)
+      call self%across(solution, plane%row, plane%row_frequency)
+      call self%newton(solution, plane, huge(1.0_dp), success, damped)
       if (success) call self%find_tangent(solution)
    end subroutine correct
 
@@ -205,7 +210,7 @@ contains
       logical, intent(out) :: success
       !> Guess of the solution, at the distance h from `from` along the tangent there; absent: on the tangent.
       type(solution_point_type), intent(in), optional :: guess
-      real(dp) :: row(self%balance%block, self%balance%unknowns), row_frequency
+      type(condition_type) :: plane
       integer :: largest(2)
 
       if (present(guess)) then
@@ -215,21 +220,21 @@ contains
          to%u = from%u + h*from%tangent
          to%frequency_ratio = from%frequency_ratio + h*from%tangent_frequency
       end if
+      allocate (plane%row, mold=to%u)
+      call self%across(from, plane%row, plane%row_frequency)
       if (self%local_control) then
-         row = 0
-         row_frequency = 0
          largest = 1
-         if (size(row) > 0) largest = maxloc(abs(from%tangent))
-         if (size(row) == 0 .or. abs(from%tangent_frequency)/self%units%frequency_ratio &
+         if (size(plane%row) > 0) largest = maxloc(abs(from%tangent))
+         plane%row = 0
+         plane%row_frequency = 0
+         if (size(plane%row) == 0 .or. abs(from%tangent_frequency)/self%units%frequency_ratio &
              > maxval(abs(from%tangent))/self%units%length) then
-            row_frequency = 1
+            plane%row_frequency = 1
          else
-            row(largest(1), largest(2)) = 1
+            plane%row(largest(1), largest(2)) = 1
          end if
-      else
-         call self%across(from, row, row_frequency)
       end if
-      call self%newton(to, row, row_frequency, h, success)
+      call self%newton(to, plane, h, success)
       if (.not. success) return
       to%tangent = from%tangent
       to%tangent_frequency = from%tangent_frequency
@@ -242,17 +247,22 @@ contains
       end if
    end subroutine advance
 
-   !> Newton's method on S = 0 with row . (u - u_predicted) = 0. Fails when it stops contracting, needs too many iterations, is
-   !> interrupted, or when a step is longer than `longest`: the solution may then lie on another branch. A step that is expected
-   !> to be the last one, by the ratio of the steps before, uses the factors of the matrix at hand.
+   !> Newton's method on S = 0 with a condition, as that a solution is in a plane through the guess. Fails when it stops
+   !> contracting, needs too many iterations, is interrupted, or when a step is longer than `longest`: the solution may then lie on
+   !> another branch. A step that is expected to be the last one, by the ratio of the steps before, uses the factors at hand.
    !> Each step is solved for only as accurately as its linearisation error asks for (inexact Newton: S. C. Eisenstat and H. F.
    !> Walker, SIAM J. Sci. Comput. 17 (1996) 16-32).
    !> Damped, a step is halved while it enlarges the residual, as steps across a first contact do, and contraction is not asked for.
-   subroutine newton(self, solution, row, row_frequency, longest, success, damped)
+   subroutine newton(self, solution, condition, longest, success, damped)
       class(corrector_type), intent(inout) :: self
+      !> A guess; then the solution, the tangent unchanged.
       type(solution_point_type), intent(inout) :: solution
-      real(dp), intent(in) :: row(:, :), row_frequency, longest
+      class(condition_type), intent(inout) :: condition
+      !> Longest step, in the metric of the branch [1].
+      real(dp), intent(in) :: longest
+      !> Newton's method has converged.
       logical, intent(out) :: success
+      !> Shortens steps that enlarge the residual.
       logical, intent(in), optional :: damped
       real(dp) :: y, length, before, tolerance, defect, defect_before, accuracy, first, least, share
       integer :: iteration
@@ -289,21 +299,26 @@ contains
             cycle
          end if
          ! A residual that asks for a step shorter than the tolerance, by the step before.
-         success = iteration > 1 .and. self%balance%chosen .and. .not. self%balance%is_direct()
+         success = iteration > 1 .and. self%balance%chosen .and. .not. (self%balance%is_direct() .or. condition%varies)
          if (success) success = defect*before < tolerance*defect_before .and. self%balance%reaches(solution%frequency_ratio)
          if (success) then
             solution%harmonic = self%balance%harmonic
             return
          end if
+         if (condition%varies) then
+            call condition%evaluate(self%balance, solution%u, solution%frequency_ratio)
+            call self%fixed%project(condition%row)
+            call self%turn%project(condition%row)
+         end if
          if (.not. last) then
             call self%matrix%linearize(self%balance)
-            self%matrix%row = row
-            self%matrix%corner = row_frequency
+            self%matrix%row = condition%row
+            self%matrix%corner = condition%row_frequency
             if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
             call self%matrix%factor(self%balance, regular, self%fixed, self%turn)
             if (.not. regular) return
          end if
-         y = 0
+         y = -condition%value
          ! The residual is expected to shrink by the square of its last ratio.
          if (iteration > 1) accuracy = min(first, accuracy_share*(defect/defect_before)**2)
          accuracy = max(accuracy, min(first, least/max(defect, converged)))
@@ -407,7 +422,8 @@ contains
       !> Factors of the coefficients [1], (block, unknowns), and of Lambda [1].
       real(dp), intent(out) :: row(:, :), row_frequency
 
-      row = weighted(solution%tangent)/self%units%length
+      row = 0.5_dp*solution%tangent/self%units%length
+      if (size(row) > 0) row(1, :) = solution%tangent(1, :)/self%units%length
       row_frequency = solution%tangent_frequency*(self%units%length/self%units%frequency_ratio**2)
    end subroutine across
 
@@ -426,24 +442,5 @@ contains
       tolerance = merge(converged_set, converged, self%balance%chosen)*(2 + sqrt(squares)/self%units%length)
       tolerance = max(tolerance, rounding*self%length_of(u))
    end function tolerance_at
-
-   !> Inner product of coefficients: products of the means plus half of all other products. Over the square of the unit of length:
-   !> the inner product of the metric.
-   pure real(dp) function inner(a, b)
-      !> Coefficients [1], (block, unknowns).
-      real(dp), intent(in) :: a(:, :), b(:, :)
-
-      inner = 0
-      if (size(a) > 0) inner = 0.5_dp*(sum(a*b) + sum(a(1, :)*b(1, :)))
-   end function inner
-
-   !> Factors of b in inner(a, b).
-   pure function weighted(a)
-      real(dp), intent(in) :: a(:, :)
-      real(dp) :: weighted(size(a, 1), size(a, 2))
-
-      weighted = 0.5_dp*a
-      if (size(a) > 0) weighted(1, :) = a(1, :)
-   end function weighted
 
 end module geartrain_trace_corrector

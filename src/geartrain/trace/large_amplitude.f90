@@ -8,9 +8,9 @@ module geartrain_trace_large_amplitude
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_words, only: lambda, operator(//), words_type
-   use geartrain_linalg_trigonometric, only: rms
+   use geartrain_linalg_trigonometric, only: inner, rms
    use geartrain_trace_branch, only: branch_type
-   use geartrain_trace_corrector, only: inner, solution_point_type
+   use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_step_geometry, only: odd_product
    use geartrain_trace_step_length, only: acceptable, next_step
    use geartrain_trace_tracer, only: came_back, closed_loop, left_by_amplitude, met_half_period, reached_end, tracer_type

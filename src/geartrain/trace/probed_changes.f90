@@ -72,7 +72,7 @@ contains
       first = multipliers_at(branch, before)
       last = multipliers_at(branch, after)
       if (.not. (are_numbers(first) .and. are_numbers(last))) return
-      if (max(maxval(abs(first)), maxval(abs(last))) > largest_multiplier) return
+      if (max(abs(first(1)), abs(last(1))) > largest_multiplier) return
       ! Of a large train only the leading ones are known, and more may be outside: the counts are undecided.
       if (monodromy%is_partial() .and. max(abs(first(size(first))), abs(last(size(last)))) > 1) return
       call system_clock(began, rate)

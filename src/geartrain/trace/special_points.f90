@@ -31,10 +31,11 @@ contains
       real(dp), intent(out) :: s
       !> False where Newton's method fails.
       logical, intent(out) :: success
-      type(solution_point_type) :: guess
-      real(dp) :: a, b, fa, fb, length
+      type(solution_point_type) :: guess, cubic
+      real(dp) :: a, b, fa, fb, length, before
       integer :: i, kept
 
+      before = 0
       kept = 0
       a = 0
       b = h
@@ -42,17 +43,25 @@ contains
       fb = next%tangent_frequency
       length = sign(arc_length(here, next, corrector%units), fa)
       guess = next
+      cubic = next
       do i = 1, max_steps
          s = between(a, b, fa, fb)
          if (i == 1) s = h*min(0.999_dp, max(0.001_dp, highest_share([0.0_dp, sign(1.0_dp, fa)*(next%frequency_ratio &
                                                                      - here%frequency_ratio)], length*[fa, fb])))
          call go_along(here, next, s/h, corrector%units, guess)
+         if (i > 1) then
+            ! Next to the point before, the branch is as far from the cubic as there.
+            call go_along(here, next, before/h, corrector%units, cubic)
+            guess%u = guess%u + (fold%u - cubic%u)
+            guess%frequency_ratio = guess%frequency_ratio + (fold%frequency_ratio - cubic%frequency_ratio)
+         end if
          associate (short => s - way_to(here, guess, corrector%units))
             guess%u = guess%u + short*here%tangent
             guess%frequency_ratio = guess%frequency_ratio + short*here%tangent_frequency
          end associate
          call corrector%advance(here, s, fold, success, guess)
          if (.not. success) return
+         before = s
          if (abs(fold%tangent_frequency) < 1e-7_dp*corrector%units%frequency_ratio) return
          call shrink(a, b, fa, fb, s, fold%tangent_frequency, kept)
          if (b - a < 1e-6_dp*h) return

@@ -24,7 +24,7 @@ module geartrain_trace_stability_changes
    !> Magnitude of a multiplier beside which multipliers near the unit circle are rounding, as of an unstable motion over a period
    !> of many teeth: no changes are located there.
    real(dp), parameter :: largest_multiplier = 1e11_dp
-   !> Imaginary part over magnitude up to which a pair is two real multipliers, as of equal stages that are nearly decoupled.
+   !> Imaginary over real part up to which a pair is two real multipliers, as of equal stages that are nearly decoupled.
    real(dp), parameter :: real_enough = 1e-6_dp
    !> Distance of changes, as a share of the step, below which changes are simultaneous; distance of a multiplier from the unit
    !> circle, and of the place from the change as a share of the step, up to which the chord through the latest two places is taken;
@@ -56,20 +56,23 @@ contains
    pure function outside(multipliers)
       !> Multipliers, largest magnitude first.
       complex(dp), intent(in) :: multipliers(:)
-      integer :: outside(3)
+      integer :: outside(3), i
 
-      associate (real_ones => is_real(multipliers), size => abs(multipliers))
-         outside(doubling) = count(real_ones .and. multipliers%re < -1 - neutral)
-         outside(above_one) = count(real_ones .and. multipliers%re > 1 + neutral)
-         ! Where only the leading multipliers are known the last multiplier may lack its conjugate.
-         outside(neimark_sacker) = (count(.not. real_ones .and. size > 1 + neutral) + 1)/2
-      end associate
+      outside = 0
+      do i = 1, size(multipliers)
+         if (.not. abs(multipliers(i)) > 1 + neutral) exit
+         associate (kind => merge(merge(doubling, above_one, multipliers(i)%re < 0), neimark_sacker, is_real(multipliers(i))))
+            outside(kind) = outside(kind) + 1
+         end associate
+      end do
+      ! Where only the leading multipliers are known the last multiplier may lack its conjugate.
+      outside(neimark_sacker) = (outside(neimark_sacker) + 1)/2
    end function outside
 
    elemental logical function is_real(multiplier)
       complex(dp), intent(in) :: multiplier
 
-      is_real = abs(multiplier%im) <= real_enough*abs(multiplier)
+      is_real = abs(multiplier%im) <= real_enough*abs(multiplier%re)
    end function is_real
 
    !> Halves the piece from a to b until each change is alone, or all remaining changes are simultaneous.

@@ -5,7 +5,7 @@ module geartrain_trace_stages
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: depth_of_stage, no_stage, stage_kind, stage_of, stages_of
+   public :: depth_of_stage, no_stage, rest_of, stage_kind, stage_of, stages_of
 
    !> In place of the number of a stage: none.
    integer, parameter :: no_stage = -huge(1)
@@ -35,6 +35,7 @@ contains
    !> Region of rest.
    pure integer function rest_of(system, mesh)
       type(system_type), intent(in) :: system
+      !> Number of the mesh.
       integer, intent(in) :: mesh
 
       associate (law => system%law(mesh))

@@ -2,8 +2,9 @@
 !> hidden folds, and the odd harmonics of motions of even period.
 module geartrain_trace_step_geometry
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_trigonometric, only: inner
    use geartrain_network_units, only: units_type
-   use geartrain_trace_corrector, only: inner, solution_point_type
+   use geartrain_trace_corrector, only: solution_point_type
    implicit none (type, external)
    private
    public :: arc_length, cosine_limit, go_along, sense_of, hides_folds, odd_product, odd_share, loses_odd, passes_half_period, &
