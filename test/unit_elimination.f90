@@ -28,7 +28,13 @@ contains
          call solves(tests, 32)
          call solves(tests, 33)
       end if
-      if (tests%runs('blocks')) call blocks(tests)
+      if (tests%runs('blocks')) then
+         call blocks(tests, [integer ::], .false.)
+         ! The first to be eliminated, one that others change before, and one that is singular.
+         call blocks(tests, [6], .false.)
+         call blocks(tests, [2, 4, 6], .false.)
+         call blocks(tests, [6, 1], .true.)
+      end if
       if (tests%runs('singular')) then
          ! All quotients are powers of two: the elimination is exact, also with products that are not rounded.
          singular = reshape(1.0_dp*[4, 2, 1, 8, 4, 2, 0, 1, 0], [3, 3])
@@ -46,9 +52,13 @@ contains
 
    !> Five blocks that are all coupled, as those of planets, and one that is coupled with the first: solution and sign of the
    !> determinant are those of the whole matrix.
-   subroutine blocks(tests)
+   subroutine blocks(tests, uncoupled, singular)
       class(tests_type), intent(inout) :: tests
-      integer, parameter :: n = 3, nodes = 6, rows = n*nodes + 1
+      !> Blocks whose columns couple each harmonic with itself alone.
+      integer, intent(in) :: uncoupled(:)
+      !> The diagonal block of the last node is singular.
+      logical, intent(in) :: singular
+      integer, parameter :: n = 5, nodes = 6, rows = n*nodes + 1
       type(graph_type) :: graph
       type(bordered_type) :: matrix
       real(dp) :: whole(rows, rows), factors(rows, rows), right(n, nodes), x(n, nodes), solution(rows), y
@@ -67,6 +77,16 @@ contains
       call random_number(whole)
       call random_number(right)
       whole = whole - 0.5_dp
+      matrix%uncoupled(uncoupled) = .true.
+      do j = 1, nodes
+         if (.not. matrix%uncoupled(j)) cycle
+         do i = 1, rows - 1
+            do k = 1, n
+               if ((mod(i - 1, n) + 1)/2 /= k/2) whole(i, (j - 1)*n + k) = 0
+            end do
+         end do
+      end do
+      if (singular) whole(rows - n, rows - n) = 0
       do i = 1, nodes
          do j = 1, nodes
             associate (a => (i - 1)*n, b => (j - 1)*n)
@@ -90,7 +110,7 @@ contains
       call factor_matrix(rows, factors, pivot, info)
       solution = [right, 0.7_dp]
       call solve_factored(rows, 1, factors, pivot, solution)
-      ! Rounding times a condition number of some thousand at most.
+      ! Rounding times a condition number of some ten thousand at most.
       call tests%is_close(maxval(abs([x, y] - solution))/maxval(abs(solution)), 0.0_dp, 1e-11_dp, 'blocks: solution')
       call tests%is_true(matrix%orientation == determinant_sign(factors, pivot), 'blocks: sign of the determinant')
    end subroutine blocks

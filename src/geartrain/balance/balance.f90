@@ -291,8 +291,13 @@ contains
       associate (graph => self%system%cut%graph)
          call matrix%resize(block, graph)
          matrix%interrupt = self%system%interrupt
+         matrix%uncoupled = self%uncoupled
          do i = 1, self%unknowns
             do n = graph%row(i), graph%row(i + 1) - 1
+               if (self%uncoupled(graph%column(n))) then
+                  call fill_pairs(matrix%entry(:, :, graph%entry(n)), graph%entry(n), self%tangent(:, :, graph%column(n)))
+                  cycle
+               end if
                call fill(matrix%entry(:, :, graph%entry(n)), graph%entry(n), self%tangent(:, :, graph%column(n)))
             end do
             do l = 2, block
@@ -322,6 +327,23 @@ contains
             end do
          end do
       end subroutine fill
+
+      !> The same where the force of each harmonic depends on that harmonic alone.
+      pure subroutine fill_pairs(a, entry, t)
+         real(dp), intent(inout) :: a(:, :)
+         integer, intent(in) :: entry
+         real(dp), intent(in) :: t(:, :)
+         complex(dp) :: h
+         integer :: k
+
+         a = 0
+         a(1, 1) = self%system%mean%force(entry)*t(1, 1) + self%system%mean%displacement(entry)
+         do k = 1, self%explicit
+            h = self%receptance(k)%h(entry)
+            a(2*k, 2*k:2*k + 1) = h%re*t(2*k, 2*k:2*k + 1) + h%im*t(2*k + 1, 2*k:2*k + 1)
+            a(2*k + 1, 2*k:2*k + 1) = h%re*t(2*k + 1, 2*k:2*k + 1) - h%im*t(2*k, 2*k:2*k + 1)
+         end do
+      end subroutine fill_pairs
 
    end subroutine jacobian
 

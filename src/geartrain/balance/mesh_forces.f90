@@ -37,6 +37,9 @@ module geartrain_balance_mesh_forces
       !> `explicit` carried harmonics.
       real(dp), allocatable :: force(:, :), tangent(:, :, :)
       integer :: explicit = 0
+      !> The force of each harmonic depends on that harmonic alone, (unknown): the element keeps to a region of its law in which
+      !> its stiffness is constant.
+      logical, allocatable :: uncoupled(:)
       !> d phi/dLambda at constant coefficients [1], (block, unknown).
       real(dp), allocatable :: force_rate(:, :)
       !> Lambda [1] at the last `find_forces`.
@@ -56,6 +59,7 @@ module geartrain_balance_mesh_forces
       procedure :: mean_stiffness
       procedure, private :: find_force
       procedure, private :: stays
+      procedure, private :: constant_stiffness
       procedure, private :: damp_tangent
       procedure, private :: rate_of
    end type mesh_forces_type
@@ -91,7 +95,7 @@ contains
       self%block = 1 + 2*size(self%harmonic)
       self%mesh = system%cut%mesh
       self%unknowns = size(self%mesh)
-      if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns))
+      if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns), self%uncoupled(self%unknowns))
       do i = 1, self%unknowns
          associate (j => self%mesh(i))
             call self%contact(i)%setup(system%law(j), eta, self%harmonic, 2*highest, samples)
@@ -164,6 +168,14 @@ contains
       parts = any(self%contact(:self%unknowns)%events > 0)
    end function parts
 
+   !> Stiffness of an uncoupled unknown mesh over its stiffness on the drive flank [1].
+   pure real(dp) function constant_stiffness(self, i)
+      class(mesh_forces_type), intent(in) :: self
+      integer, intent(in) :: i
+
+      constant_stiffness = real(self%contact(i)%spectra%stiffness(0), dp)
+   end function constant_stiffness
+
    !> Whether unknown mesh i keeps to a region of its law: its stiffness has but the harmonics of kappa.
    pure logical function stays(self, i)
       class(mesh_forces_type), intent(in) :: self
@@ -197,9 +209,21 @@ contains
       integer :: k
 
       call self%contact(i)%update(u, self%fine)
-      call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
+      associate (contact => self%contact(i))
+         self%uncoupled(i) = self%samples == 0 .and. contact%events == 0 .and. .not. contact%law%varies(contact%first_contact)
+      end associate
+      if (self%uncoupled(i)) then
+         self%tangent(:, :, i) = 0
+         do k = 1, size(self%tangent, 1)
+            self%tangent(k, k, i) = self%constant_stiffness(i)
+         end do
+      else
+         call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
+      end if
       associate (f => self%force(:, i), spectra => self%contact(i)%spectra)
-         if (self%is_direct()) then
+         if (self%uncoupled(i)) then
+            f = self%constant_stiffness(i)*u
+         else if (self%is_direct()) then
             f = 0
             do k = 1, self%block
                f = f + u(k)*self%tangent(:, k, i)
@@ -232,7 +256,7 @@ contains
       integer :: k
 
       rate(1) = 0
-      if (self%contact(i)%law%jumps) then
+      if (self%contact(i)%law%jumps .and. .not. self%uncoupled(i)) then
          associate (spectra => self%contact(i)%spectra)
             allocate (integral(self%block))
             if (self%is_direct()) then
@@ -264,17 +288,19 @@ contains
       integer, intent(in) :: i
       real(dp), allocatable :: matrix(:, :)
       real(dp) :: rate, gamma
+      logical :: jumps
       integer :: k
 
       gamma = self%damping_of(i)
-      if (self%contact(i)%law%jumps) then
+      jumps = self%contact(i)%law%jumps .and. .not. self%uncoupled(i)
+      if (jumps) then
          allocate (matrix(1 + 2*self%explicit, 1 + 2*self%explicit))
          call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%damping, matrix)
       end if
       associate (tangent => self%tangent(:, :, i))
          do k = 1, self%explicit
             rate = self%harmonic(k)*self%frequency_ratio/self%eta
-            if (self%contact(i)%law%jumps) then
+            if (jumps) then
                tangent(2*k, :) = tangent(2*k, :) + rate*matrix(2*k + 1, :)
                tangent(2*k + 1, :) = tangent(2*k + 1, :) - rate*matrix(2*k, :)
             else
@@ -296,7 +322,9 @@ contains
       real(dp), intent(out) :: f(:)
       real(dp) :: rate(self%block)
 
-      if (self%stays(i)) then
+      if (self%uncoupled(i)) then
+         f = self%constant_stiffness(i)*x
+      else if (self%stays(i)) then
          call sparse_product(self%harmonic, self%eta*self%contact(i)%law%harmonic, self%contact(i)%spectra%stiffness, x, f)
       else
          call wave_product(self%harmonic, self%wave(:, i), x, self%products, f)

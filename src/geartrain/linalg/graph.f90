@@ -39,7 +39,7 @@ contains
       !> Number of nodes; pairs of coupled nodes, (2, pair), in any order and as often as one likes.
       integer, intent(in) :: nodes, pairs(:, :)
       logical :: joined(nodes, nodes), left(nodes)
-      integer :: degree(nodes), i, j, k, s, t
+      integer :: degree(nodes), given(nodes), i, j, k, s, t
 
       self%nodes = nodes
       joined = .false.
@@ -51,12 +51,14 @@ contains
          joined(i, i) = .false.
          degree(i) = count(joined(:, i))
       end do
+      given = degree
       allocate (self%order(nodes), self%first(nodes + 1), self%later(sum(degree)/2), self%update(nodes + 1))
       call list_rows(self, joined)
       left = .true.
       self%slots = 0
       do k = 1, nodes
-         i = minloc(degree, 1, left)
+         ! The mesh between two bearings comes after both, whose columns are sparse.
+         i = minloc((nodes + 1)*degree + given, 1, left)
          self%order(k) = i
          self%first(k) = self%slots + 1
          left(i) = .false.

@@ -34,6 +34,8 @@ module geartrain_trace_step_extremes
    real(dp), parameter :: off_cubic = 0.2_dp
    !> Part of the unit of length of the branch over which coefficients of linear meshes are differentiated.
    real(dp), parameter :: difference = 1e-7_dp
+   !> Rounding of these coefficients over the rms.
+   real(dp), parameter :: rounding = 256*epsilon(1.0_dp)
 
    !> Quantities of the meshes at a solution point, and their derivatives along the branch.
    type :: quantities_type
@@ -191,6 +193,8 @@ contains
       logical, intent(out) :: cut
       type(solution_point_type) :: first, last, point
       type(quantities_type) :: at_first, at_last, at_point
+      !> Place and slope at the latest two places.
+      real(dp) :: known(2, 2)
       real(dp) :: length, share, least, steepest, enough, a, b, fa, fb
       integer :: j, mesh, i, kept
       logical :: turns
@@ -212,8 +216,11 @@ contains
       at_last = at_next
       steepest = max(abs(at_here%rms_slope(mesh)), abs(at_next%rms_slope(mesh)))
       enough = steepest*merge(located_iteratively, located, corrector%balance%chosen .and. .not. corrector%balance%is_direct())
+      ! The slope of a linear mesh is a difference, and no more exact than its rounding.
+      if (.not. any(corrector%balance%mesh == mesh)) enough = max(enough, rounding/difference*at_here%rms(mesh))
       turns = at_here%rms_slope(mesh) > 0 .and. at_next%rms_slope(mesh) <= 0
       share = least
+      known = 0
       kept = 0
       a = 0
       b = 1
@@ -223,7 +230,9 @@ contains
          call solve_at(corrector, transform, first, last, share, point, at_point, cut)
          if (.not. cut) return
          if (.not. turns .or. abs(at_point%rms_slope(mesh)) < enough) exit
-         call shrink(a, b, fa, fb, a + share*(b - a), at_point%rms_slope(mesh), kept)
+         known(:, 1) = known(:, 2)
+         known(:, 2) = [a + share*(b - a), at_point%rms_slope(mesh)]
+         call shrink(a, b, fa, fb, known(1, 2), known(2, 2), kept)
          if (at_point%rms_slope(mesh) > 0) then
             first = point
             at_first = at_point
@@ -231,10 +240,19 @@ contains
             last = point
             at_last = at_point
          end if
-         share = peak_share(at_first, at_last, mesh, arc_length(first, last, corrector%units))
-         ! Where a mesh begins to separate the derivative has a kink, at which the cubic is no help.
-         if (i > smooth_places) share = (between(a, b, fa, fb) - a)/(b - a)
-         share = max(1e-6_dp, min(1 - 1e-6_dp, share))
+         ! The chord through the latest two places, where it does well. Where a mesh begins to separate the derivative has a kink,
+         ! at which the cubic is no help.
+         share = -1
+         if (i > 1 .and. 2*abs(known(2, 2)) < abs(known(2, 1))) &
+            share = (known(1, 2) - known(2, 2)*(known(1, 2) - known(1, 1))/(known(2, 2) - known(2, 1)) - a)/(b - a)
+         if (.not. (share > 0 .and. share < 1)) then
+            if (i > smooth_places) then
+               share = (between(a, b, fa, fb) - a)/(b - a)
+            else
+               share = peak_share(at_first, at_last, mesh, arc_length(first, last, corrector%units))
+            end if
+         end if
+         share = max(1e-9_dp, min(1 - 1e-9_dp, share))
          if (b - a < off_ends*located) exit
       end do
       next = point
