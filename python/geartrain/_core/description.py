@@ -48,14 +48,13 @@ class Description(TrainVariables):
             warn(told, DrawingWarning)
 
     def __repr__(self) -> str:
-        counts = [
-            f"{len(names)} {word if len(names) == 1 else plural}"
-            for names, word, plural in ((self.body_labels, "body", "bodies"), (self.shaft_labels, "shaft", "shafts"),
-                                        (self.mesh_labels, "mesh", "meshes"))
-        ]
-        orders = ", ".join(str(order) for order in sorted({int(order) for order in self._outline["order"]}))
+        parts = ((self.body_labels, "body", "bodies"), (self.shaft_labels, "shaft", "shafts"),
+                 (self.couplings, "coupling", "couplings"), (self.bearings, "bearing", "bearings"), (self.meshes, "mesh", "meshes"))
+        counts = [f"{len(part)} {word if len(part) == 1 else plural}" for part, word, plural in parts if part]
+        orders = ", ".join(str(order) for order in sorted({int(order) for order in self._outline["order"][:len(self.meshes)]}))
+        of_order = f" of order {orders}" if orders else ""
         title = f" {self.title!r}" if self.title else ""
-        return f"<{type(self).__name__}{title}: {', '.join(counts)} of order {orders}>"
+        return f"<{type(self).__name__}{title}: {', '.join(counts)}{of_order}>"
 
     def _expand(self) -> None:
         """Put bodies and meshes in the place of the planetary sets, as Fortran expands them in a case file."""
