@@ -32,7 +32,7 @@ contains
       type(equal_branches_type), allocatable, intent(out) :: sets(:)
       !> Nodes come first, then elements.
       integer :: kind(size(system%network%inertia) + system%elements), piece(size(kind)), nodes, n
-      integer, allocatable :: member(:, :), length(:), total(:)
+      integer, allocatable :: member(:, :), length(:), total(:), begin(:), by_kind(:), by_piece(:)
       logical :: fixed(size(system%network%inertia)), changed(size(fixed))
       logical, allocatable :: listed(:)
       integer :: i, j, pieces
@@ -43,6 +43,8 @@ contains
       if (allocated(system%speed_loads)) return
       nodes = size(fixed)
       call find_kinds(system, kind)
+      by_kind = ascending(real(kind, dp))
+      by_piece = by_kind
       fixed = [(count(kind == kind(n)) == 1, n=1, nodes)]
       do
          call find_pieces(system, fixed, kind, piece, pieces)
@@ -53,15 +55,27 @@ contains
             length(piece(n)) = length(piece(n)) + 1
             total(piece(n)) = total(piece(n)) + kind(n)
          end do
+         ! Nodes and elements of each piece in the order of their kinds: by_piece(begin(i) + 1:begin(i) + length(i)).
+         begin = [(sum(length(:i - 1)), i=1, pieces)]
+         length = 0
+         do n = 1, size(kind)
+            associate (k => by_kind(n))
+               if (piece(k) == 0) cycle
+               length(piece(k)) = length(piece(k)) + 1
+               by_piece(begin(piece(k)) + length(piece(k))) = k
+            end associate
+         end do
          do i = 1, pieces
             if (listed(i)) cycle
             ! The sum of the kinds tells most pieces apart without a look at their members.
             if (all(length(i + 1:) /= length(i) .or. total(i + 1:) /= total(i))) cycle
-            member = reshape(members(i), [length(i), 1])
+            member = reshape(by_piece(begin(i) + 1:begin(i) + length(i)), [length(i), 1])
             do j = i + 1, pieces
                if (length(j) /= length(i) .or. total(j) /= total(i)) cycle
-               if (.not. are_equal(system, fixed, kind, member(:, 1), members(j))) cycle
-               member = reshape([member, members(j)], [size(member, 1), size(member, 2) + 1])
+               associate (other => by_piece(begin(j) + 1:begin(j) + length(j)))
+                  if (.not. are_equal(system, fixed, kind, member(:, 1), other)) cycle
+                  member = reshape([member, other], [size(member, 1), size(member, 2) + 1])
+               end associate
                listed(j) = .true.
             end do
             if (size(member, 2) == 1) cycle
@@ -76,19 +90,6 @@ contains
          end do
          if (all(changed .eqv. fixed)) exit
       end do
-
-   contains
-
-      !> Nodes and elements of a piece in the order of their kinds.
-      function members(number) result(list)
-         integer, intent(in) :: number
-         integer, allocatable :: list(:)
-         integer :: k
-
-         list = pack([(k, k=1, size(kind))], piece == number)
-         list = list(ascending(real(kind(list), dp)))
-      end function members
-
    end subroutine find_equal_branches
 
    !> Whether two lists of sets are the same.
@@ -187,17 +188,23 @@ contains
    subroutine find_kinds(system, kind)
       type(system_type), intent(in) :: system
       integer, intent(out) :: kind(:)
-      integer, allocatable :: around(:, :)
-      integer :: before(size(kind)), first(size(kind)), next(size(kind)), i, j, kinds, last, nodes
+      integer, allocatable :: around(:, :), ends(:, :)
+      integer :: before(size(kind)), first(size(kind)), next(size(kind)), length(system%elements), i, j, kinds, last, nodes
 
       nodes = size(system%network%inertia)
+      ! A long chain is looked round hundreds of times.
+      length = [(size(system%network%elements(i)%node), i=1, system%elements)]
+      allocate (ends(maxval([0, length]), system%elements), source=0)
+      do i = 1, system%elements
+         ends(:length(i), i) = system%network%elements(i)%node
+      end do
       kind = 1
       kind(nodes + 1:) = 2
       kinds = 0
       do
          last = kinds
          before = kind
-         if (last > 0) call look_around(system, before, around)
+         if (last > 0) call look_around(nodes, ends, length, before, around)
          kinds = 0
          ! The first of each new kind, and the first of the next new kind that was of the same kind before; 0: none.
          first = 0
@@ -241,28 +248,29 @@ contains
 
    !> Kinds of what touches each node and element, (neighbour, node or element): of a node the kinds of the elements there and the
    !> numbers of their entries, ascending, of an element the kinds of its nodes.
-   pure subroutine look_around(system, kind, around)
-      type(system_type), intent(in) :: system
+   pure subroutine look_around(nodes, ends, length, kind, around)
+      !> Number of nodes; nodes of each element, (entry, element), and how many they are.
+      integer, intent(in) :: nodes, ends(:, :), length(:)
       integer, intent(in) :: kind(:)
-      integer, allocatable, intent(out) :: around(:, :)
-      integer, allocatable :: ends(:)
-      integer :: touching(size(kind)), i, k, most, n, nodes
+      !> Allocated by the first call.
+      integer, allocatable, intent(inout) :: around(:, :)
+      integer :: touching(size(kind)), i, k, most, n
 
-      nodes = size(system%network%inertia)
-      most = maxval([(size(system%network%elements(n)%node), n=1, system%elements)])
-      touching = most
-      touching(:nodes) = 0
-      do n = 1, system%elements
-         ends = system%network%elements(n)%node
-         touching(ends) = touching(ends) + 1
-      end do
-      allocate (around(maxval(touching), size(kind)), source=0)
+      most = size(ends, 1)
+      if (.not. allocated(around)) then
+         touching = most
+         touching(:nodes) = 0
+         do n = 1, size(length)
+            touching(ends(:length(n), n)) = touching(ends(:length(n), n)) + 1
+         end do
+         allocate (around(maxval(touching), size(kind)))
+      end if
+      around = 0
       touching = 0
-      do n = 1, system%elements
-         ends = system%network%elements(n)%node
-         around(:size(ends), nodes + n) = kind(ends)
-         do i = 1, size(ends)
-            associate (list => around(:, ends(i)), last => touching(ends(i)), own => most*kind(nodes + n) + i)
+      do n = 1, size(length)
+         around(:length(n), nodes + n) = kind(ends(:length(n), n))
+         do i = 1, length(n)
+            associate (list => around(:, ends(i, n)), last => touching(ends(i, n)), own => most*kind(nodes + n) + i)
                k = count(list(:last) <= own)
                list(k + 2:last + 1) = list(k + 1:last)
                list(k + 1) = own

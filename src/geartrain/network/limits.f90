@@ -177,7 +177,7 @@ contains
 
       if (.not. in_order(train, checker)) return
       frequency = mesh_frequencies(train)
-      own = own_frequency(train)
+      own = slowest_of(frequency)
       call find_ends(train, shaft_ends, mesh_ends)
       call join_rigid(train, nodes)
       do i = 1, size(train%shafts)
@@ -279,8 +279,15 @@ contains
       !> A plain train that is `in_order`.
       type(train_type), intent(in) :: train
 
-      own_frequency = min(huge(1.0_dp), max(tiny(1.0_dp), minval(mesh_frequencies(train))))
+      own_frequency = slowest_of(mesh_frequencies(train))
    end function own_frequency
+
+   !> The slowest of these frequencies; neither 0 nor infinite.
+   pure real(dp) function slowest_of(frequency)
+      real(dp), intent(in) :: frequency(:)
+
+      slowest_of = min(huge(1.0_dp), max(tiny(1.0_dp), minval(frequency)))
+   end function slowest_of
 
    !> Frequency of each mesh [rad/s], (mesh): of its two gears alone, with the stiffening by loops; of a bearing of the mass that it
    !> carries.

@@ -148,9 +148,9 @@ contains
       type(network_type), intent(inout) :: network
       type(network_type), intent(in), optional :: like
       logical, dimension(size(given)) :: chosen, elastic, left, known
-      logical :: same
+      logical :: same, loops
       type(rows_type) :: rows
-      integer :: n, nodes
+      integer :: n, next, nodes
 
       nodes = size(network%inertia)
       call rows%setup(nodes, 0)
@@ -170,9 +170,18 @@ contains
       elastic = given%elastic
       left = elastic
       known = .not. given%unknown
-      do while (any(left))
-         n = findloc(left, .true., 1)
-         if (count(elastic) >= nodes .and. any(left .and. known)) n = maxloc(given%stiffness, 1, left .and. known)
+      loops = count(elastic) >= nodes
+      next = 1
+      do
+         do while (next <= size(given))
+            if (left(next)) exit
+            next = next + 1
+         end do
+         if (next > size(given)) exit
+         n = next
+         if (loops) then
+            if (any(left .and. known)) n = maxloc(given%stiffness, 1, left .and. known)
+         end if
          left(n) = .false.
          call rows%add(given(n)%row_type, chosen(n))
       end do

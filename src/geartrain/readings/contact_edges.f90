@@ -83,7 +83,7 @@ contains
       integer, allocatable :: stages(:)
       integer :: i, j, k, n, before
       logical, allocatable :: staged(:)
-      logical :: shot, ready, keep_going
+      logical :: shot, prepared, ready, keep_going
 
       if (allocated(branch%contact_edges)) deallocate (branch%contact_edges)
       if (branch%points < 2) return
@@ -95,13 +95,14 @@ contains
       allocate (edges(most_edges), ends(2, most_edges))
       n = 0
       shot = has_friction(train)
-      call begin_trace(train, settings, systems, tracer, branch)
-      condition%system => tracer%system
       condition%transform => transform
       condition%varies = .true.
-      ! Over a parameter the walls may move.
+      prepared = .false.
+      ! Only couplings have stages. Over a parameter the walls may move.
       allocate (staged(branch%meshes), source=.false.)
-      if (.not. allocated(branch%parameter)) staged = [(size(stages_of(tracer%system, j)) > 0, j=1, branch%meshes)]
+      if (any(train%meshes%is_coupling)) call prepare()
+      if (prepared .and. .not. allocated(branch%parameter)) &
+         staged = [(size(stages_of(tracer%system, j)) > 0, j=1, branch%meshes)]
       do i = 1, branch%points - 1
          if (.not. joined(branch, i)) cycle
          ready = .false.
@@ -126,6 +127,14 @@ contains
 
    contains
 
+      !> Prepares to solve the balance, which takes longer than a point of a large train.
+      subroutine prepare()
+
+         prepared = .true.
+         call begin_trace(train, settings, systems, tracer, branch)
+         condition%system => tracer%system
+      end subroutine prepare
+
       !> Adds the edge of mesh j in the piece from point i to the next, where the piece has one.
       subroutine add_edge(j)
          integer, intent(in) :: j
@@ -136,6 +145,7 @@ contains
          first = condition%depth(branch%minimum(j, i), branch%maximum(j, i), gap(i, j))
          last = condition%depth(branch%minimum(j, i + 1), branch%maximum(j, i + 1), gap(i + 1, j))
          if (first*last >= 0 .or. n == most_edges) return
+         if (.not. (prepared .or. shot)) call prepare()
          if (.not. (ready .or. shot)) call prepare_piece(i)
          ready = .true.
          n = n + 1

@@ -22,7 +22,7 @@ module geartrain_run_results
    use geartrain_results_hdf5_writer, only: hdf5_content
    use geartrain_results_seal, only: add_seal, check_replaceable, seal_bytes
    use geartrain_network_load_sharing, only: planet_labels
-   use geartrain_train_labels, only: bearing_labels, coupling_labels, held_labels, mesh_labels, shaft_labels
+   use geartrain_train_labels, only: bearing_labels, coupling_labels, held_labels, label_length, mesh_labels, shaft_labels
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -183,12 +183,14 @@ contains
       class(fields_type), intent(inout) :: fields
       logical, intent(in) :: summary
       class(analysis_type), allocatable :: analysis
+      character(label_length), allocatable :: planets(:)
       integer :: i, n
 
       call fields%expect('mesh', size(case%train%meshes), mesh_labels(case%train))
       call fields%expect('shaft', size(case%train%shafts), shaft_labels(case%train))
       call fields%expect('held', size(held_labels(case%train)), held_labels(case%train))
-      call fields%expect('planet', size(planet_labels(case%train)), planet_labels(case%train))
+      planets = planet_labels(case%train)
+      call fields%expect('planet', size(planets), planets)
       call fields%expect('coupling', size(coupling_labels(case%train)), coupling_labels(case%train))
       call fields%expect('bearing', size(bearing_labels(case%train)), bearing_labels(case%train))
       call fields%expect('coordinate', state_count(case%train))
