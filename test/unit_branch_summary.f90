@@ -3,6 +3,7 @@ module unit_branch_summary
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_base_kinds, only: dp
    use geartrain_base_sheet, only: in_result, sheet_type
+   use geartrain_readings_curve, only: arc_type
    use geartrain_readings_contact_ranges, only: back_collision_ranges, separation_ranges
    use geartrain_readings_frequency_text, only: frequency_text_type
    use geartrain_readings_jump_sentences, only: say_jumps
@@ -30,8 +31,45 @@ contains
       if (tests%runs('jump_beside_a_fold')) call jump_beside_a_fold(tests)
       if (tests%runs('ranges_of_contact')) call ranges_of_contact(tests)
       if (tests%runs('closed_island')) call closed_island(tests)
+      if (tests%runs('peaks_between_points')) call peaks_between_points(tests)
       if (tests%runs('field_of_a_later_version')) call field_of_a_later_version(tests)
    end subroutine branch_summary_tests
+
+   !> Where the curve between two points has a peak, by values and slopes of functions whose peaks are known.
+   subroutine peaks_between_points(tests)
+      class(tests_type), intent(inout) :: tests
+      type(arc_type) :: arc
+      real(dp) :: share
+      logical :: found
+
+      arc%rms = [0.0_dp, 1.0_dp]
+      ! Solved at the peak, after a steep rise: the cubic is above the peak before it.
+      arc%rms_slope = [9.0_dp, 1e-9_dp]
+      call arc%peak(share, found)
+      call tests%is_true(found, 'a peak at a point whose slope is rounding')
+      call tests%is_close(share, 1.0_dp, 0.0_dp, 'not before it')
+      arc%rms_slope = [1e-9_dp, 2.0_dp]
+      call arc%peak(share, found)
+      call tests%is_true(.not. found, 'nor after it')
+      arc%rms_slope = [0.5_dp, 0.7_dp]
+      call arc%peak(share, found)
+      call tests%is_true(.not. found, 'a rise throughout')
+      ! y = -2 t**3 + 2.9 t**2 - 0.3 t: y' = 0 at t = (5.8 +- sqrt(26.44))/12.
+      arc%rms = [0.0_dp, 0.6_dp]
+      arc%rms_slope = [-0.3_dp, -0.5_dp]
+      call arc%peak(share, found)
+      call tests%is_true(found, 'a dip, then a peak, against the slopes')
+      call tests%is_close(share, (5.8_dp + sqrt(26.44_dp))/12, 1e-14_dp, 'its place')
+      arc%rms = -arc%rms
+      arc%rms_slope = -arc%rms_slope
+      call arc%peak(share, found)
+      call tests%is_true(found, 'a peak, then a dip, against the slopes')
+      call tests%is_close(share, (5.8_dp - sqrt(26.44_dp))/12, 1e-14_dp, 'its place')
+      arc%rms = [0.6_dp, 0.0_dp]
+      arc%rms_slope = [-0.5_dp, -0.7_dp]
+      call arc%peak(share, found)
+      call tests%is_true(.not. found, 'a fall throughout')
+   end subroutine peaks_between_points
 
    !> An array that a checkpoint of before does not have: NaN for the points of before, not a number that looks like one.
    subroutine field_of_a_later_version(tests)

@@ -27,8 +27,8 @@ module geartrain_readings_contact_edges
    !> Edges that are located at most, the first ones along the branch; further edges are interpolated where they are needed.
    integer, parameter :: most_edges = 1000
    integer, parameter :: most_steps = 20
-   !> Depth at an edge on the polynomial, over half the backlash [1].
-   real(dp), parameter :: located = 1e-7_dp
+   !> Depth at an edge on the polynomial, and at a point of the branch that counts as an edge, over half the backlash [1].
+   real(dp), parameter :: located = 1e-7_dp, solved = 1e-11_dp
    !> A point closer to its neighbour than this share of the piece is no node of the polynomial [1].
    real(dp), parameter :: nearest = 0.03_dp
    !> Difference of the depths of meshes that move alike, as those of equal planets, over half the backlash [1]: rounding.
@@ -204,6 +204,9 @@ contains
          piece%length = chord(piece%node(1), piece%node(2))
          piece%at(:2) = [0.0_dp, piece%length]
          solution = piece%node(1)
+         ! Across the chord; the tangent of each point where the balance was solved there.
+         solution%tangent = (piece%node(2)%u - piece%node(1)%u)/piece%length
+         solution%tangent_frequency = (piece%node(2)%frequency_ratio - piece%node(1)%frequency_ratio)/piece%length
          do m = i - 1, i + 2, 3
             if (m < 1 .or. m > branch%points) cycle
             if (.not. joined(branch, merge(m, m - 1, m < i))) cycle
@@ -224,8 +227,9 @@ contains
          chord = tracer%corrector%length_of(to%u - from%u, to%frequency_ratio - from%frequency_ratio)
       end function chord
 
-      !> Makes `solution` the point at which the depth is zero: found on the polynomial, then on the branch by solving the balance;
-      !> that on the polynomial where the balance has no solution nearby.
+      !> Makes `solution` the point at which the depth is zero: found on the polynomial, then on the branch by Newton's method.
+      !> Where that fails, as where another extreme becomes the lowest beside the edge, it begins again at points of the branch
+      !> nearer and nearer to the edge. The point on the polynomial where the balance has no solution nearby.
       subroutine locate(first, last, interpolated)
          !> Depths at the two ends of the piece, of different signs.
          real(dp), intent(in) :: first, last
@@ -233,7 +237,7 @@ contains
          logical, intent(out) :: interpolated
          type(solution_point_type) :: guess
          real(dp) :: a, b, fa, fb, s, scale
-         integer :: kept, step
+         integer :: kept, step, attempt
          logical :: success
 
          condition%gap = gap(i, condition%mesh)
@@ -245,24 +249,45 @@ contains
          end if
          scale = gap(i, condition%mesh)
          if (condition%stage /= no_stage) scale = maxval(abs(tracer%system%law(condition%mesh)%wall))
-         a = 0
-         b = piece%length
-         fa = first
-         fb = last
-         kept = 0
-         do step = 1, most_steps
-            s = between(a, b, fa, fb)
-            call go_along(piece, s, solution)
-            call condition%evaluate(tracer%corrector%balance, solution%u, solution%frequency_ratio)
-            if (abs(condition%value) < located*scale) exit
-            call shrink(a, b, fa, fb, s, condition%value, kept)
+         success = .false.
+         do attempt = 1, 2
+            a = 0
+            b = piece%length
+            fa = first
+            fb = last
+            kept = 0
+            do step = 1, most_steps
+               s = between(a, b, fa, fb)
+               call go_along(piece, s, solution)
+               if (attempt == 2) call tracer%corrector%correct(solution, success)
+               if (attempt == 2 .and. .not. success) exit
+               call condition%evaluate(tracer%corrector%balance, solution%u, solution%frequency_ratio)
+               success = attempt == 2 .and. abs(condition%value) < solved*scale
+               if (success .or. attempt == 1 .and. abs(condition%value) < located*scale) exit
+               call shrink(a, b, fa, fb, s, condition%value, kept)
+               if (attempt == 2) call solve(success)
+               if (success) exit
+            end do
+            if (attempt == 1) then
+               guess = solution
+               call solve(success)
+            end if
+            if (success) exit
          end do
-         guess = solution
-         call tracer%corrector%newton(solution, condition, piece%length, success)
-         if (success) success = chord(guess, solution) < piece%length
          interpolated = .not. success
          if (interpolated) solution = guess
       end subroutine locate
+
+      !> Solves from `solution` on; leaves it as it is where that fails.
+      subroutine solve(success)
+         logical, intent(out) :: success
+         type(solution_point_type) :: start
+
+         start = solution
+         call tracer%corrector%newton(solution, condition, piece%length, success)
+         if (success) success = chord(start, solution) < piece%length
+         if (.not. success) solution = start
+      end subroutine solve
 
    end subroutine locate_contact_edges
 

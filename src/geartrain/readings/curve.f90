@@ -10,6 +10,9 @@ module geartrain_readings_curve
    private
    public :: arc_type, arc_between, rms_at, way_between
 
+   !> Slope at one end over that at the other up to which a curve is flat there.
+   real(dp), parameter :: flat = 1e-6_dp
+
    !> Branch between two neighbouring points.
    type :: arc_type
       !> Lambda at both points, and its derivatives times the length of the branch between the points [1].
@@ -52,7 +55,8 @@ contains
       if (has_slopes) has_slopes = size(branch%arclength) >= branch%points
    end function has_slopes
 
-   !> Finds where the rms has a maximum between the points, its end included.
+   !> Finds where the rms has a maximum between the points, its end included: where it rises at the first point and falls at the
+   !> second, or against the slopes at both. A slope that is flat is that of a point that was solved at a maximum.
    pure subroutine peak(self, share, found)
       class(arc_type), intent(in) :: self
       !> Where, as a share of the length between the points.
@@ -61,9 +65,17 @@ contains
       logical, intent(out) :: found
 
       share = 0
-      found = self%rms_slope(1) > 0 .and. self%rms_slope(2) <= 0
-      if (found) share = highest_share(self%rms, self%rms_slope)
-      if (share < 0) share = merge(1, 0, self%rms(2) > self%rms(1))
+      associate (slope => self%rms_slope, rise => self%rms(2) - self%rms(1), level => flat*maxval(abs(self%rms_slope)))
+         found = slope(1) > level .and. slope(2) <= level .or. slope(1) < -level .and. slope(2) < -level .and. rise > 0 .or. &
+                 slope(1) > level .and. slope(2) > level .and. rise < 0
+         if (.not. found) return
+         if (abs(slope(2)) <= level) then
+            share = 1
+         else
+            share = highest_share(self%rms, slope)
+            if (share < 0) share = merge(1, 0, rise > 0)
+         end if
+      end associate
    end subroutine peak
 
    !> Rms of each mesh at a value of Lambda between points i and i + 1 [1], (mesh).

@@ -22,6 +22,9 @@ module geartrain_trace_step_extremes
    !> solutions.
    real(dp), parameter :: located = 1e-9_dp, located_iteratively = 1e-3_dp
    integer, parameter :: most_places = 30, smooth_places = 3
+   !> The same of meshes whose peak the peak of another mesh is, as of two directions of a bearing, and of a peak that is met where
+   !> a dip is within the step as well.
+   real(dp), parameter :: flat = 1e-6_dp
    !> Times that a step is cut at a peak: where the derivative is not smooth, the cubic may show one in each piece.
    integer, parameter :: most_cuts = 3
    !> Height of a maximum above the ends of a step at which the rms rises, or falls, at both, over the rms: less is no maximum.
@@ -256,9 +259,10 @@ contains
          if (b - a < off_ends*located) exit
       end do
       next = point
+      ! Rounding would let a peak be one of the step before or of the next step; other meshes may have theirs there too.
+      where (abs(at_point%rms_slope) < flat*max(abs(at_here%rms_slope), abs(at_next%rms_slope))) at_point%rms_slope = 0
+      if (turns) at_point%rms_slope(mesh) = 0
       at_next = at_point
-      ! Rounding would let a peak be one of the step before or of the next step.
-      if (turns) at_next%rms_slope(mesh) = 0
    end subroutine cut_at_peak
 
    !> Share of a step at which the rms of a mesh is highest by the cubic; -1: at none.
