@@ -213,6 +213,11 @@ def test_verdicts_where_growth_is_steep():
         for place in np.flatnonzero(~further.undecided & (abs(further.frequency - 9693.8) < 100)):
             found = further.at(float(further.frequency[place]), unit="rpm")
             motion = found[np.argmin([np.abs(one.rms - further.rms[place]).max() for one in found])]
-            assert (np.abs(motion.refine().multipliers).max() < 1) == further.stable[place]
+            try:
+                refined = motion.refine()
+            except gt.SolverError:  # a motion with a multiplier above 2, from which shooting may lead nowhere
+                assert not further.stable[place]
+                continue
+            assert (np.abs(refined.multipliers).max() < 1) == further.stable[place]
             steep += 1
     assert steep > 4

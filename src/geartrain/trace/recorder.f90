@@ -9,17 +9,20 @@ module geartrain_trace_recorder
    use geartrain_balance_coupling_loss, only: find_coupling_losses
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: power
+   use geartrain_floquet_multipliers, only: is_stable, power, side_of_fold
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
    use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_system, only: system_type
-   use geartrain_trace_branch, only: arrange_points, branch_type, widen
+   use geartrain_trace_branch, only: arrange_points, branch_type, multipliers_at, widen
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_stability_assessment, only: assess, assess_growth, assessment_type
    implicit none (type, external)
    private
    public :: begin_branch, recorder_type
+
+   !> Most points between a branch point and where a multiplier passes +1.
+   integer, parameter :: reach = 8
 
    type :: recorder_type
       !> Stability is assessed; torques of shafts are computed.
@@ -267,8 +270,71 @@ contains
       integer :: i
 
       call arrange_points(branch, [(i, i=1, branch%points)], branch%points)
-      if (allocated(branch%undecided)) call doubt_steep_growth(branch)
+      if (.not. allocated(branch%undecided)) return
+      call doubt_steep_growth(branch)
+      if (allocated(branch%multipliers)) call follow_branch_points(branch)
    end subroutine finish
+
+   !> Where another branch crosses, a real multiplier passes +1. The balance finds the crossing by its own matrix, more exactly than
+   !> the multipliers of its motion tell: by an error of 2e-4 they passed +1 three points before. The points between such a passage
+   !> and the crossing are on the side that the matrix says, and undecided.
+   subroutine follow_branch_points(branch)
+      type(branch_type), intent(inout) :: branch
+      integer, allocatable :: side(:), crossings(:)
+      integer :: i, k, s, first, last
+
+      if (.not. allocated(branch%special_points)) return
+      if (.not. any(branch%special_points%kind == 'branch point')) return
+      allocate (crossings(branch%points), source=0)
+      side = [(side_of_fold(multipliers_at(branch, i)), i=1, branch%points)]
+      do s = 1, size(branch%special_points)
+         associate (special => branch%special_points(s))
+            if (special%point < 1 .or. special%point >= branch%points) cycle
+            crossings(special%point) = crossings(special%point) + merge(special%multiplicity, 1, special%kind == 'branch point')
+         end associate
+      end do
+      do s = 1, size(branch%special_points)
+         associate (special => branch%special_points(s), p => branch%special_points(s)%point)
+            if (special%kind /= 'branch point' .or. p < 1 .or. p >= branch%points) cycle
+            if (mod(special%multiplicity, 2) == 0 .or. side(p) /= side(p + 1)) cycle
+            do k = 1, reach
+               ! The passage that belongs to the crossing, before it or after it.
+               do i = p - k, p + k, 2*k
+                  first = min(i, p) + 1
+                  last = max(i, p)
+                  if (first < 2 .or. last >= branch%points) cycle
+                  if (any(branch%segment(first - 1:last + 1) /= branch%segment(p))) cycle
+                  if (side(i) == side(i + 1) .or. any(crossings(first:last - 1) > 0) .or. crossings(i) > 0) cycle
+                  call take_side(first, last)
+                  side(first:last) = 1 - side(first:last)
+                  exit
+               end do
+               if (side(p) /= side(p + 1)) exit
+            end do
+         end associate
+      end do
+
+   contains
+
+      !> Takes points as on the other side: one more, or one less, real multiplier is above +1.
+      subroutine take_side(first, last)
+         integer, intent(in) :: first, last
+         complex(dp) :: multipliers(branch%states)
+         integer :: i
+
+         do i = first, last
+            multipliers = multipliers_at(branch, i)
+            branch%undecided(i) = .true.
+            branch%count_undecided(i) = .true.
+            branch%stable(i) = .false.
+            if (side(i) == 0) cycle
+            ! Without the one that is above +1 by the error, the nearest.
+            multipliers(minloc(abs(multipliers - 1), 1, abs(multipliers%im) <= 0 .and. multipliers%re > 1)) = 0
+            branch%stable(i) = is_stable(multipliers)
+         end do
+      end subroutine take_side
+
+   end subroutine follow_branch_points
 
    !> Takes as undecided where the growth rate changes so much from point to point that it may have another sign within the error of
    !> the motion. Where a branch of doubled periods is about to end, 4e-6 of Lambda is from a multiplier of 0.988 to one of 1.004.
