@@ -10,6 +10,7 @@ module unit_branch_summary
    use geartrain_readings_jumps, only: jump_type, jumps
    use geartrain_readings_summary, only: band_type, bands_without_stability, folds, gaps, peak_type, peaks
    use geartrain_trace_branch, only: arrange_points, branch_type, special_point_type
+   use geartrain_trace_recorder, only: follow_branch_points
    use fixtures, only: single_pair
    use testing, only: tests_type
    implicit none (type, external)
@@ -32,8 +33,50 @@ contains
       if (tests%runs('ranges_of_contact')) call ranges_of_contact(tests)
       if (tests%runs('closed_island')) call closed_island(tests)
       if (tests%runs('peaks_between_points')) call peaks_between_points(tests)
+      if (tests%runs('beside_a_branch_point')) call beside_a_branch_point(tests)
       if (tests%runs('field_of_a_later_version')) call field_of_a_later_version(tests)
    end subroutine branch_summary_tests
+
+   !> A multiplier passes +1 between points 3 and 4, the balance's branch point lies after point 6.
+   subroutine beside_a_branch_point(tests)
+      class(tests_type), intent(inout) :: tests
+      type(branch_type) :: branch
+
+      branch = passing([1, 1, 1, 0, 0, 0, 0, 0, 0])
+      branch%special_points = [special_point_type('branch point', 1.065_dp, 6)]
+      call follow_branch_points(branch)
+      call tests%is_true(all(branch%stable .eqv. [1, 1, 1, 1, 1, 1, 0, 0, 0] == 1), 'too early: stable up to the branch point')
+      call tests%is_true(all(branch%undecided .eqv. [0, 0, 0, 1, 1, 1, 0, 0, 0] == 1), 'too early: undecided between')
+      branch = passing([1, 1, 1, 1, 1, 1, 0, 0, 0])
+      branch%special_points = [special_point_type('branch point', 1.035_dp, 3)]
+      call follow_branch_points(branch)
+      call tests%is_true(all(branch%stable .eqv. [1, 1, 1, 0, 0, 0, 0, 0, 0] == 1), 'too late: unstable from the branch point on')
+      call tests%is_true(all(branch%undecided .eqv. [0, 0, 0, 1, 1, 1, 0, 0, 0] == 1), 'too late: undecided between')
+      branch = passing([1, 1, 1, 0, 0, 0, 0, 0, 0])
+      branch%special_points = [special_point_type('branch point', 1.035_dp, 3)]
+      call follow_branch_points(branch)
+      call tests%is_true(.not. any(branch%undecided), 'at once: nothing is doubted')
+      branch%special_points = [special_point_type('branch point', 1.065_dp, 6), special_point_type('fold', 1.04_dp, 4)]
+      call follow_branch_points(branch)
+      call tests%is_true(.not. any(branch%undecided), 'a passage at a fold belongs to the fold')
+
+   contains
+
+      !> Points whose largest multiplier is 0.99, of those that are stable, else 1.02; the other one 0.5.
+      type(branch_type) function passing(stable)
+         integer, intent(in) :: stable(:)
+         integer :: i
+
+         passing = branch_of([(1 + 0.01_dp*i, i=1, size(stable))], [(1.0_dp, i=1, size(stable))], stable)
+         passing%states = 2
+         passing%segment = [(1, i=1, size(stable))]
+         passing%undecided = [(.false., i=1, size(stable))]
+         passing%count_undecided = passing%undecided
+         passing%multipliers = reshape([(cmplx(merge(0.99_dp, 1.02_dp, stable(i) == 1), 0, dp), (0.5_dp, 0.0_dp), &
+                                         i=1, size(stable))], [2, size(stable)])
+      end function passing
+
+   end subroutine beside_a_branch_point
 
    !> Where the curve between two points has a peak, by values and slopes of functions whose peaks are known.
    subroutine peaks_between_points(tests)

@@ -9,7 +9,7 @@ module geartrain_trace_recorder
    use geartrain_balance_coupling_loss, only: find_coupling_losses
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: is_stable, power, side_of_fold
+   use geartrain_floquet_multipliers, only: are_numbers, is_stable, power, side_of_fold
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
    use geartrain_network_parameter_path, only: parameter_path_type
@@ -19,7 +19,7 @@ module geartrain_trace_recorder
    use geartrain_trace_stability_assessment, only: assess, assess_growth, assessment_type
    implicit none (type, external)
    private
-   public :: begin_branch, recorder_type
+   public :: begin_branch, follow_branch_points, recorder_type
 
    !> Most points between a branch point and where a multiplier passes +1.
    integer, parameter :: reach = 8
@@ -279,18 +279,25 @@ contains
    !> the multipliers of its motion tell: by an error of 2e-4 they passed +1 three points before. The points between such a passage
    !> and the crossing are on the side that the matrix says, and undecided.
    subroutine follow_branch_points(branch)
+      !> A branch with stability and multipliers, complete.
       type(branch_type), intent(inout) :: branch
+      integer, parameter :: unknown = -1
       integer, allocatable :: side(:), crossings(:)
       integer :: i, k, s, first, last
 
       if (.not. allocated(branch%special_points)) return
       if (.not. any(branch%special_points%kind == 'branch point')) return
       allocate (crossings(branch%points), source=0)
-      side = [(side_of_fold(multipliers_at(branch, i)), i=1, branch%points)]
+      allocate (side(branch%points), source=unknown)
+      do i = 1, branch%points
+         if (are_numbers(multipliers_at(branch, i))) side(i) = side_of_fold(multipliers_at(branch, i))
+      end do
       do s = 1, size(branch%special_points)
          associate (special => branch%special_points(s))
-            if (special%point < 1 .or. special%point >= branch%points) cycle
-            crossings(special%point) = crossings(special%point) + merge(special%multiplicity, 1, special%kind == 'branch point')
+            if (special%point < 1 .or. special%point > branch%points) cycle
+            crossings(special%point) = crossings(special%point) + 1
+            ! A fold is a point itself: the multiplier passes beside it.
+            if (special%kind == 'fold' .and. special%point > 1) crossings(special%point - 1) = crossings(special%point - 1) + 1
          end associate
       end do
       do s = 1, size(branch%special_points)
@@ -304,7 +311,8 @@ contains
                   last = max(i, p)
                   if (first < 2 .or. last >= branch%points) cycle
                   if (any(branch%segment(first - 1:last + 1) /= branch%segment(p))) cycle
-                  if (side(i) == side(i + 1) .or. any(crossings(first:last - 1) > 0) .or. crossings(i) > 0) cycle
+                  if (side(i) == side(i + 1) .or. any(side(first - 1:last + 1) == unknown)) cycle
+                  if (crossings(i) > 0 .or. any(crossings(first:last - 1) > 0)) cycle
                   call take_side(first, last)
                   side(first:last) = 1 - side(first:last)
                   exit
