@@ -291,7 +291,8 @@ contains
 
    end subroutine locate_contact_edges
 
-   !> The depth is that of an extreme of the displacement: its gradient is that of the displacement at the angle of the extreme.
+   !> Finds the depth and its gradient. The depth follows from an extreme of the displacement, at whose angle the displacement is
+   !> differentiated by its coefficients.
    subroutine evaluate(self, balance, u, frequency_ratio)
       class(edge_condition_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance

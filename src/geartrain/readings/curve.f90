@@ -56,7 +56,7 @@ contains
    end function has_slopes
 
    !> Finds where the rms has a maximum between the points, its end included: where it rises at the first point and falls at the
-   !> second, or against the slopes at both. A slope that is flat is that of a point that was solved at a maximum.
+   !> second, or against the slopes at both. A flat slope at the second point means that this point was solved at a maximum.
    pure subroutine peak(self, share, found)
       class(arc_type), intent(in) :: self
       !> Where, as a share of the length between the points.

@@ -1,4 +1,4 @@
-!> A condition that tells one point of a branch from the others, as that it is in a plane, or that a mesh just separates there.
+!> The equation beside the balance that picks one point of a branch: the point lies in a plane, or a mesh just separates there.
 module geartrain_trace_condition
    use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: dp
@@ -21,7 +21,7 @@ module geartrain_trace_condition
 
 contains
 
-   !> Finds the value and its derivatives.
+   !> Finds the value and its derivatives: of a linear condition they stay as they are.
    subroutine evaluate(self, balance, u, frequency_ratio)
       class(condition_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
