@@ -11,6 +11,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conftest import ROOT, reducer
+from test_table_loads import pair
 
 import geartrain as gt
 from geartrain._core import extras as _extras
@@ -114,13 +115,16 @@ def _own_law(train):
     return replace(train, meshes=changed)
 
 
-@pytest.mark.parametrize("kind", ["paper", "changed", "reducer"])
+@pytest.mark.parametrize("kind", ["paper", "changed", "reducer", "stages", "loads", "bearings"])
 def test_force_law_is_that_of_the_program(kind, train):
-    """At made-up motions that pass both flanks, against `Motion.mesh_force`, 1e-9 of the largest force."""
-    train = {"paper": lambda: train, "changed": lambda: _own_law(train), "reducer": reducer}[kind]()
-    frequency = 1500.0 if kind == "reducer" else 0.8
+    """At made-up motions that pass all regions, against `Motion.mesh_force`, 1e-9 of the largest force."""
+    made = {"paper": lambda: train, "changed": lambda: _own_law(train), "reducer": reducer, "loads": pair,
+            "stages": lambda: gt.read_case(ROOT / "namelists" / "front_wheel_drive.nml").train,
+            "bearings": lambda: gt.read_case(ROOT / "namelists" / "bearings.nml").train}
+    train = made[kind]()
+    frequency = {"reducer": 1500.0, "stages": 1000.0}.get(kind, 0.8)
     laws = force_laws(train, frequency)
-    half = np.array([law["half"] for law in laws]) + 0.1
+    half = np.array([np.abs(law["corners"]).max(initial=law["half"]) for law in laws]) + 0.1
     rng = np.random.default_rng(7)
     coefficients = np.zeros((len(laws), 13))
     coefficients[:, 1:3] = 2.0 * half[:, np.newaxis]
@@ -135,9 +139,18 @@ def test_force_law_is_that_of_the_program(kind, train):
         a, b = coefficients[mesh, 1::2], coefficients[mesh, 2::2]
         p = coefficients[mesh, 0] + cos @ a + sin @ b
         v = (cos @ (orders * b) - sin @ (orders * a)) / 2
-        assert p.min() < -law["half"] and p.max() > law["half"]
+        assert set(np.searchsorted(law["corners"], p)) == set(range(len(law["damping"])))
         found = force_of(law, frequency, 2 * angle, p, v)
         np.testing.assert_allclose(found, known[:, mesh], atol=1e-9 * np.abs(known[:, mesh]).max())
+
+
+def test_a_driveline_without_teeth_has_torques():
+    """Clutch and lash alone: a page has no mesh forces and no teeth."""
+    case = gt.read_case(ROOT / "namelists" / "front_wheel_drive.nml")
+    told = unpacked(case.train.response(start=1200.0, stop=1150.0, harmonics=6).page().html)
+    assert told["quantities"]["mesh_force_maximum"]["words"] == "largest coupling torque"
+    assert told["quantities"]["mesh_force_maximum"]["unit"] == told["files"][0]["forceUnit"] == "N m"
+    assert told["files"][0]["forces"] == "" and "teeth" not in json.dumps(told["quantities"])
 
 
 def test_force_of_an_unknown_law_is_not_shown(branch):

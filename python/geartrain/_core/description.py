@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from ..variables import Analyses
 
 __all__ = [
-    "Description", "bearings_of", "contact_words", "element_name", "half_gaps", "is_of_ring", "load_signs", "part_labels",
-    "part_names",
+    "Description", "bearings_of", "contact_words", "corners", "element_name", "half_gaps", "is_of_ring", "load_signs",
+    "part_labels", "part_names",
 ]
 
 
@@ -235,6 +235,19 @@ def half_gaps(train: Description) -> NDArray[np.float64]:
     half = [about.get("half_backlash", about.get("half_clearance", 1e-3 * about.get("half_play", 0.0))) for about in groups]
     gaps: NDArray[np.float64] = np.array(half) / numbers["train"]["characteristic_length"]
     return gaps
+
+
+def corners(train: Description) -> list[NDArray[np.float64]]:
+    """Displacements over the characteristic length at which the slope of each force changes, ascending, as of `half_gaps`."""
+    length, found = train.explain()["train"]["characteristic_length"], []
+    for about, half in zip(_groups_of(train), half_gaps(train)):
+        if "corners" in about:
+            found.append(1e-3 * np.ravel(about["corners"]) / length)
+            continue
+        beyond = half + np.concatenate([[0.0], np.ravel(about.get("stage_wall", []))]) / length
+        # Without a gap both flanks are one.
+        found.append(np.concatenate([-beyond[::-1], beyond]) if half > 0 else beyond[1:])
+    return found
 
 
 def load_signs(train: Description) -> list[int]:

@@ -133,7 +133,7 @@ def page(
         told: dict[str, Any] = {"version": _version()}
         told["files"] = [shown_results(piece, name, block, every) for _, name, piece in pieces]
         told["along"] = ALONG
-        told["quantities"] = quantities(*(file["forceUnit"] for file in told["files"][:1]))
+        told["quantities"] = quantities(*(file[name] for file in told["files"][:1] for name in ("forceWords", "forceUnit")))
         over = [file["over"] or "frequency" for file in told["files"]]
         if compare is not None and len({*over}) > 1:
             raise InputError(f"compare: goes over {over[1]}: must go over {over[0]}, as the results do")

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._core.description import Description, half_gaps
+from .._core.description import Description, corners, half_gaps
 from ..results.motion import Motion
 
 __all__ = ["force_laws", "force_of", "largest_difference"]
@@ -21,12 +22,12 @@ _MOST, _FEW, _TRIED = 2**19, 2**10, 40
 
 
 def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
-    """Of each mesh: half backlash over the characteristic length, stiffness of both flanks over the phase, damping of the regions.
+    """Of each mesh, coupling or bearing: the regions of its displacement, and in each of them stiffness, offset and damping.
 
-    They are found from the program's own force at made-up motions: at rest on either flank, and moving on a flank and in the gap.
+    They are found from the program's own force at made-up motions: at rest at two places of each region, and moving within it.
     With p the displacement, v its derivative by the phase of the fundamental and Lambda the frequency, the force in N (of a
     coupling the torque in N m) is
-    stiffness(phase) (p -+ half) + damping Lambda v.
+    stiffness(phase) p + offset(phase) + damping Lambda v.
 
     Parameters
     ----------
@@ -37,45 +38,57 @@ def force_laws(train: Description, frequency: float) -> list[dict[str, Any]]:
     Returns
     -------
     list of dict
-        ``half``; ``drive`` and ``back``, each ``[[order, cos, sin], ...]``, the mean with order 0; ``damping`` of back flank, gap,
-        drive flank.
+        ``half``, half of the gap over the characteristic length; ``corners``, displacements between the regions, ascending; of
+        each region ``stiffness`` and ``offset``, ``[[order, cos, sin], ...]``, the mean with order 0, and ``damping``.
     """
-    half = half_gaps(train)
-    still, one = np.zeros(len(half)), np.ones(len(half))
-    for fine in _SAMPLES:
-        samples = min(2 ** int(np.ceil(np.log2(fine * max(train._outline["order"])))), _MOST)
-        drive, back = (side * _trial(train, frequency, side * (half + 1), still, samples) for side in (1, -1))
-        if samples == _MOST or (_resolved(drive) and _resolved(back)):
-            break
-    few = min(samples, _FEW)
-    phase = 2 * np.pi * np.arange(few)[:, np.newaxis] / few
-
-    def damping(mean: Array, amplitude: Array, stiffness: Array, origin: Array) -> Array:
-        """What is left of the force without its elastic part, over the velocity."""
-        elastic = stiffness * (mean + amplitude * np.sin(phase) - origin)
-        velocity = frequency * amplitude * np.cos(phase)
-        force = _trial(train, frequency, mean, amplitude, few)
-        found: Array = ((force - elastic) * velocity).sum(axis=0) / (velocity**2).sum(axis=0)
-        return found
-
-    # Without a gap the drive flank is everywhere.
-    in_gap = np.where(half > 0, half / 2, 1.0)
-    slopes = back[::samples // few], np.where(half > 0, 0.0, drive[::samples // few]), drive[::samples // few]
-    dampings = [damping(-half - 2, one, slopes[0], -half), damping(still, in_gap, slopes[1], still),
-                damping(half + 2, one, slopes[2], half)]
+    walls = corners(train)
+    regions = [_regions(train, frequency, walls, place) for place in range(max(map(len, walls)) + 1)]
     return [
-        {
-            "half": float(half[mesh]),
-            "drive": _harmonics(drive[:, mesh]),
-            "back": _harmonics(back[:, mesh]),
-            "damping": [float(region[mesh]) for region in dampings],
-        }
-        for mesh in range(len(half))
+        {"half": float(half), "corners": walls[mesh].tolist(),
+         **{name: [region[name][mesh] for region in regions[:len(walls[mesh]) + 1]] for name in regions[0]}}
+        for mesh, half in enumerate(half_gaps(train))
     ]
 
 
+def _regions(train: Description, frequency: float, walls: Sequence[Array], place: int) -> dict[str, list[Any]]:
+    """Stiffness, offset and damping in the region at a place, counted from 0 and of all; of those with fewer in their last."""
+    inner = [_inner(corner, min(place, len(corner))) for corner in walls]
+    low, high = (np.array(ends) for ends in zip(*inner))
+    nothing = np.zeros(len(low))
+    for fine in _SAMPLES:
+        samples = min(2 ** int(np.ceil(np.log2(fine * max(train._outline["order"])))), _MOST)
+        below, above = (_trial(train, frequency, ends, nothing, samples) for ends in (low, high))
+        if samples == _MOST or (_resolved(below) and _resolved(above)):
+            break
+    stiffness = (above - below) / (high - low)
+    offset = below - stiffness * low
+    # A force that is proportional to p has an offset of rounding.
+    offset[np.abs(offset) < _ROUNDING * np.abs(above).max(axis=0)] = 0.0
+    few = min(samples, _FEW)
+    mean, amplitude = (low + high) / 2, (high - low) / 2
+    phase = 2 * np.pi * np.arange(few)[:, np.newaxis] / few
+    velocity = frequency * amplitude * np.cos(phase)
+    elastic = stiffness[::samples // few] * (mean + amplitude * np.sin(phase)) + offset[::samples // few]
+    moving = _trial(train, frequency, mean, amplitude, few)
+    damping = ((moving - elastic) * velocity).sum(axis=0) / (velocity**2).sum(axis=0)
+    return {"stiffness": [_harmonics(values) for values in stiffness.T], "offset": [_harmonics(values) for values in offset.T],
+            "damping": damping.tolist()}
+
+
+def _inner(corner: Array, place: int) -> tuple[float, float]:
+    """Two displacements well within a region."""
+    if len(corner) == 0:
+        return -1.0, 1.0
+    if place == 0:
+        return corner[0] - 2.0, corner[0] - 1.0
+    if place == len(corner):
+        return corner[-1] + 1.0, corner[-1] + 2.0
+    width = corner[place] - corner[place - 1]
+    return corner[place - 1] + width / 4, corner[place] - width / 4
+
+
 def force_of(law: dict[str, Any], frequency: float, phase: Array, displacement: Array, velocity: Array) -> Array:
-    """The force [N] of a mesh as the page computes it.
+    """The force [N] of a mesh, or the torque [N m] of a coupling, as the page computes it.
 
     Parameters
     ----------
@@ -86,16 +99,17 @@ def force_of(law: dict[str, Any], frequency: float, phase: Array, displacement: 
     phase, displacement, velocity : ndarray
         Phase of the fundamental, displacement over the characteristic length, its derivative by the phase, of one shape.
     """
-    half = law["half"]
-    drive, back = (sum(cos * np.cos(order * phase) + sin * np.sin(order * phase) for order, cos, sin in law[name])
-                   for name in ("drive", "back"))
-    on_drive, on_back = displacement > half, displacement < -half
-    if half == 0:
-        on_drive = np.ones(on_drive.shape, bool)
-    region = np.where(on_drive, 2, np.where(on_back, 0, 1))
-    elastic = np.where(on_drive, drive * (displacement - half), np.where(on_back, back * (displacement + half), 0.0))
-    found: Array = elastic + np.array(law["damping"])[region] * frequency * velocity
+    region = np.searchsorted(law["corners"], displacement)
+    found = np.array(law["damping"])[region] * frequency * velocity
+    for place, (stiffness, offset) in enumerate(zip(law["stiffness"], law["offset"])):
+        here = region == place
+        found[here] += _series(stiffness, phase[here]) * displacement[here] + _series(offset, phase[here])
     return found
+
+
+def _series(terms: list[list[float]], phase: Array) -> Array:
+    """The sum of harmonics of the phase."""
+    return sum((cos * np.cos(order * phase) + sin * np.sin(order * phase) for order, cos, sin in terms), np.zeros(len(phase)))
 
 
 def largest_difference(

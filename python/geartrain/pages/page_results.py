@@ -43,18 +43,18 @@ _FACTS = ("error_estimate", "estimate_doubtful", "correction", "harmonics", "sec
           "lyapunov_error", "share", "floating", "count_undecided")
 
 
-def quantities(force: str = "N") -> dict[str, dict[str, str]]:
+def quantities(words: str = "mesh force", unit: str = "N") -> dict[str, dict[str, str]]:
     """What can be drawn over the speed: fields with a column for each mesh, shaft, ...; what they are called, their unit.
 
     Parameters
     ----------
-    force : str
-        Unit of the force of meshes.
+    words, unit : str
+        What the force of meshes is called; its unit.
     """
     about = described()["/response"].about
     found = {
-        name: {"along": along, "unit": force if name == "mesh_force_maximum" else unit, "words": caption(name)}
-        for name, (dimensions, unit, _) in about.items()
+        name: {"along": along, "unit": unit if name == "mesh_force_maximum" else own, "words": caption(name, words)}
+        for name, (dimensions, own, _) in about.items()
         if (along := " ".join(dimensions[1:])) in ALONG and not is_slope(name)
     }
     return {**found, "peak_to_peak": {**found["maximum"], "words": caption("peak_to_peak")}}

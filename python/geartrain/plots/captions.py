@@ -20,7 +20,7 @@ CAPTIONS = {
     "mesh_force": "largest mesh force",
     "mesh_force_maximum": "largest mesh force",
     "dynamic_factor": "dynamic factor, largest over mean mesh force",
-    "separation_fraction": "share of time with teeth apart",
+    "separation_fraction": "share of time without contact",
     "back_contact_fraction": "share of time on the back flanks",
     "load_share": "share of the mean load of the planets",
     "load_share_maximum": "largest force over the mean load of all planets",
@@ -47,9 +47,9 @@ CAPTIONS = {
 LENGTHS = ("rms", "true_ac_rms", "peak_to_peak", "mean", "minimum", "maximum")
 
 
-def caption(name: str) -> str:
-    """What a quantity is called."""
-    words = CAPTIONS.get(name, name.replace("_", " "))
+def caption(name: str, force: str = "mesh force") -> str:
+    """What a quantity is called, where the force of meshes is called ``force``."""
+    words = CAPTIONS.get(name, name.replace("_", " ")).replace("mesh force", force)
     return f"mesh displacement, {words}" if name in LENGTHS else words
 
 
@@ -60,12 +60,18 @@ def is_drawn(train: Description | None) -> bool:
 
 def force_unit(train: Description | None) -> str:
     """Unit of the force of meshes, after which the couplings stand with their torque."""
-    return "N, of couplings N m" if train is not None and train.couplings else "N"
+    if train is None or not train.couplings:
+        return "N"
+    return "N, of couplings N m" if train.meshes or train.bearings else "N m"
 
 
 def force_words(train: Description | None) -> str:
-    """What the force of meshes is called, after which those of bearings stand."""
-    return "mesh or bearing force" if train is not None and train.bearings else "mesh force"
+    """What the force of meshes is called, after which those of couplings and bearings stand."""
+    if train is None or (train.meshes and not train.bearings):
+        return "mesh force"
+    there = (train.meshes, "mesh"), (not train.meshes and train.couplings, "coupling"), (train.bearings, "bearing")
+    words = " or ".join(word for elements, word in there if elements)
+    return f"{words} {'force' if train.meshes or train.bearings else 'torque'}"
 
 
 def first_quantity(train: Description | None) -> str:

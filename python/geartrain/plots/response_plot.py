@@ -18,7 +18,7 @@ from .._core.units import Unit, Units, units_of
 from ..errors import InputError, shown
 from ..results.curve import Between, is_slope, position, value_at
 from ..results.summary import Readings
-from .captions import LENGTHS, caption, first_quantity, force_unit, number_words
+from .captions import LENGTHS, caption, first_quantity, force_unit, force_words, number_words
 from .draw import COLORS, UNSTABLE, add_keys, check_number, draw_curve, draw_range, draws, line_style, marker_of, put_legend
 from .panels import are_unequal, name_height, new_panels, scale
 
@@ -52,6 +52,7 @@ class Quantity:
     """What is drawn over speed: fields of the points that have a column for each mesh, shaft, ...; two for each bearing."""
 
     name: str
+    words: str
     along: str
     unit: str
     names: Sequence[str]
@@ -77,14 +78,14 @@ class Quantity:
         first = known[name][0]
         names = part_names(train, columns[first], there[first].shape[1])
         unit = force_unit(train) if first == "mesh_force_maximum" else about[first][1]
-        return cls(name, columns[first], unit, names, known[name], [there[field] for field in known[name]])
+        words = caption(name, force_words(train))
+        return cls(name, words, columns[first], unit, names, known[name], [there[field] for field in known[name]])
 
     def label(self, units: Units) -> str:
         """Of its axis."""
-        words = caption(self.name)
         if self.name in LENGTHS:
-            return f"{words.replace(' (', _BREAK)}  {units.length}"
-        return words if self.unit == "1" else f"{words}  [{self.unit}]"
+            return f"{self.words.replace(' (', _BREAK)}  {units.length}"
+        return self.words if self.unit == "1" else f"{self.words}  [{self.unit}]"
 
     @property
     def from_zero(self) -> bool:

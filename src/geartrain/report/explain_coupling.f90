@@ -53,6 +53,8 @@ contains
          if (is_given(coupling%angle)) then
             call carry(fields, field_type('middle', '', 'rad', 'angle from which the displacement in results is counted: the &
                &middle of the play, or the angle without torque'), found%middle)
+            list = found%corner
+            call carry(fields, field_type('corners', 'corner', 'rad', 'where the slope changes, counted from the middle'), list)
             list = found%slope
             call carry(fields, field_type('stages', 'stage', 'N m/rad', 'slopes, from the lowest torque to the highest'), list)
          end if

@@ -207,7 +207,14 @@ contains
          end associate
       end do
       line = ''
-      if (any(shown)) line = 'Under each mesh: force amplitude [N], largest less mean force'
+      if (any(shown)) then
+         line = 'Under each mesh: force amplitude [N], largest less mean force'
+         if (all(train%meshes%is_coupling)) then
+            line = 'Under each coupling: torque amplitude [N m], largest less mean torque'
+         else if (any(train%meshes%is_coupling)) then
+            line = line//'; of couplings torque [N m]'
+         end if
+      end if
       if (any(shown) .and. plain%speed_ratio > 0) line = line//'; order: per revolution of '//trim(speed_name(train))
       if (.not. all(shown)) then
          if (line /= '') line = line//'; '

@@ -37,19 +37,17 @@ function waveform(series, row, phases) {
   return found;
 }
 
-/** The force law: stiffness over the phase times the displacement beyond the gap, and the damping. */
+/** The force law: of the region of the displacement its stiffness and offset over the phase, and its damping. */
 function forces(law, lambda, phases, p, v) {
-  const flank = (terms, phase) =>
+  const series = (terms, phase) =>
     terms.reduce((sum, [order, c, s]) => sum + c * Math.cos(order * phase) + s * Math.sin(order * phase), 0);
   return Float64Array.from(phases, (phase, i) => {
-    const region = p[i] > law.half || law.half === 0 ? 2 : p[i] < -law.half ? 0 : 1;
-    const elastic =
-      region === 2
-        ? flank(law.drive, phase) * (p[i] - law.half)
-        : region === 0
-          ? flank(law.back, phase) * (p[i] + law.half)
-          : 0;
-    return elastic + law.damping[region] * lambda * v[i];
+    const region = law.corners.filter((corner) => p[i] > corner).length;
+    return (
+      series(law.stiffness[region], phase) * p[i] +
+      series(law.offset[region], phase) +
+      law.damping[region] * lambda * v[i]
+    );
   });
 }
 const evenly = (count, end) => Float64Array.from({ length: count }, (_, i) => (end * i) / (count - 1));

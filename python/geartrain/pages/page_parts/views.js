@@ -262,7 +262,7 @@ function runUpView(panel) {
   );
   function draw() {
     const { low, high } = main.runUp[along],
-      [names, unit, title] = { mesh: [main.parts.mesh, main.forceUnit, "mesh force"], shaft: [main.parts.shaft, "N m", "shaft torque"] }[along],
+      [names, unit, title] = { mesh: [main.parts.mesh, main.forceUnit, main.forceWords], shaft: [main.parts.shaft, "N m", "shaft torque"] }[along],
       width = low.shape[1],
       x = Array.from(main.runUp.lambda, (l) => l * per(main));
     const column = (values, part) => x.map((_, i) => values[i * width + part]),
