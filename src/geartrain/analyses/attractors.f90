@@ -152,7 +152,7 @@ contains
          if (checker%problems%in_group('attractors')) return
          call checker%enter('attractors', 1)
          call check_unit(train, settings%unit, checker)
-         call check_frequency(train, 'frequency', settings%frequency, checker, settings%unit)
+         call check_frequency(train, ['frequency'], [settings%frequency], checker, settings%unit)
          if (settings%follow .and. has_friction(train)) call checker%complain('follow', '.true.', 'must be .false. for a train &
             &with friction_torque: begin a response with a motion found here')
          if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)

@@ -120,7 +120,7 @@ contains
       if (checker%problems%in_group('basins')) return
       call checker%enter('basins', 1)
       call check_unit(train, settings%unit, checker)
-      call check_frequency(train, 'frequency', settings%frequency, checker, settings%unit)
+      call check_frequency(train, ['frequency'], [settings%frequency], checker, settings%unit)
       call check_range('displacement', settings%displacement_start, settings%displacement_stop, settings%displacement_points)
       call check_range('velocity', settings%velocity_start, settings%velocity_stop, settings%velocity_points)
       call check_long_period(train, 'basins', 'every start flies over many periods', settings%long_period, checker)

@@ -131,8 +131,7 @@ contains
          if (.not. at_one .and. settings%points == 1) call checker%complain('points', '1', &
             'must be 2 or more, as "from" and "to" differ')
          call check_unit(train, settings%unit, checker)
-         call check_frequency(train, 'from', settings%start, checker, settings%unit)
-         call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
          call check_long_period(train, 'bifurcation_diagram', 'every section is a period later', settings%long_period, checker)
          call checker%leave()
       end associate

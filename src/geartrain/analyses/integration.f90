@@ -126,8 +126,7 @@ contains
          if (abs(settings%start - settings%stop) <= 0 .and. settings%points /= 1) &
             call checker%complain('points', integer_text(settings%points), 'must be 1 where "from" and "to" are equal')
          call check_unit(train, settings%unit, checker)
-         call check_frequency(train, 'from', settings%start, checker, settings%unit)
-         call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
          if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
          call checker%leave()
       end associate
@@ -294,7 +293,7 @@ contains
       if (.not. (frequency_ratio > 0 .and. frequency_ratio <= huge(1.0_dp))) then
          call checker%complain('frequency', real_text(frequency_ratio), 'must be a finite number > 0')
       else
-         call check_frequency(train, 'frequency', frequency_ratio, checker)
+         call check_frequency(train, ['frequency'], [frequency_ratio], checker)
       end if
       call checker%problems%raise('', error)
       if (allocated(error)) return

@@ -155,8 +155,7 @@ contains
          call checker%complain('parameter_points', integer_text(settings%parameter_points), &
                                'must be 1 where "parameter_from" and "parameter_to" are equal, and only there')
       call check_unit(train, settings%unit, checker)
-      call check_frequency(train, 'from', settings%start, checker, settings%unit)
-      call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+      call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
       call check_common_period(train, 'stability_map', checker, within)
       if (within) call check_long_period(train, 'stability_map', 'every point takes multipliers over a period', &
                                          settings%long_period, checker)

@@ -24,7 +24,6 @@ module geartrain_linalg_rows
       real(dp), allocatable :: entry(:)
    contains
       procedure :: entry_at
-      procedure :: touches
    end type row_type
 
    !> Rows that have been added, and what follows from them.
@@ -55,16 +54,6 @@ contains
 
       entry_at = sum(self%entry, self%node == node)
    end function entry_at
-
-   !> Whether two rows have a node in common.
-   pure logical function touches(self, other)
-      class(row_type), intent(in) :: self
-      !> The other row.
-      class(row_type), intent(in) :: other
-      integer :: i
-
-      touches = any([(any(other%node == self%node(i)), i=1, size(self%node))])
-   end function touches
 
    !> Begins without rows.
    pure subroutine setup(self, nodes, rows)

@@ -27,6 +27,7 @@ contains
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
+      type(network_type) :: network
       integer :: before, carrier(size(train%meshes))
 
       before = checker%problems%count
@@ -48,9 +49,9 @@ contains
          if (checker%problems%count == before) call check_bodies_on_bearings(train, mesh_ends, carrier, checker)
          if (checker%problems%count == before) call check_lines(train, mesh_ends, carrier, checker)
       end if
-      if (checker%problems%count == before) call check_turning(train, mesh_ends, carrier, checker)
+      if (checker%problems%count == before) call check_turning(train, mesh_ends, carrier, network, checker)
       ! Numbers that a wrong drawing gave have no rest.
-      if (checker%problems%count == 0) call check_rest(train, checker)
+      if (checker%problems%count == 0) call check_rest(train, network, checker)
    end subroutine check_network
 
    !> A train with bodies has no values of the variables of a chain.
@@ -154,15 +155,19 @@ contains
       !> Variable that has the name.
       character(*), intent(in) :: variable, name
       class(checker_type), intent(inout) :: checker
-      character(len(name)) :: names(size(train%bodies))
+      character(len(name)), allocatable :: names(:)
       integer :: i, best
 
+      is_body = .false.
+      do i = 1, size(train%bodies)
+         if (allocated(train%bodies(i)%name)) is_body = train%bodies(i)%name == name
+         if (is_body) return
+      end do
+      allocate (names(size(train%bodies)))
       names = ''
       do i = 1, size(names)
          if (allocated(train%bodies(i)%name)) names(i) = train%bodies(i)%name
       end do
-      is_body = any(names == name)
-      if (is_body) return
       if (any(checker%problems%reported('body', [(i, i=1, size(names))], 'name'))) return
       best = nearest_name(trim(name), names)
       if (best > 0) then
@@ -302,10 +307,10 @@ contains
    end function rigid_way
 
    !> The mean torques of loops can be computed: with stiffnesses too far apart they are lost in rounding.
-   subroutine check_rest(train, checker)
+   subroutine check_rest(train, network, checker)
       type(train_type), intent(in) :: train
+      type(network_type), intent(in) :: network
       class(checker_type), intent(inout) :: checker
-      type(network_type) :: network
       type(law_type) :: law(size(train%meshes))
       real(dp), allocatable :: force(:)
       real(dp) :: residual
@@ -314,7 +319,6 @@ contains
       do i = 1, size(law)
          call put_law(train%meshes(i), train%characteristic_length, law(i))
       end do
-      call build_network(train, network)
       call check_middles(train%meshes, network, checker)
       call check_friction(train%meshes, network, checker)
       allocate (force(size(network%elements)))

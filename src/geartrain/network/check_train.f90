@@ -46,6 +46,7 @@ contains
       type(train_type), intent(in) :: train
       class(checker_type), intent(inout) :: checker
       type(train_type) :: plain
+      real(dp) :: own
       integer :: shafts, meshes, i
 
       if (.not. tells_nan()) call checker%problems%add('geartrain was compiled with -Ofast, -ffast-math or -ffinite-math-only, &
@@ -107,8 +108,8 @@ contains
          call checker%leave()
       end if
       call check_damping(plain, checker)
-      call check_stiffest(plain, checker)
-      call check_scales(plain, .not. abs(train%characteristic_frequency) > 0, checker)
+      call check_stiffest(plain, own, checker)
+      call check_scales(plain, own, .not. abs(train%characteristic_frequency) > 0, checker)
 
    contains
 

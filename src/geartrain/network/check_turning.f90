@@ -20,11 +20,13 @@ contains
 
    !> Speed ratios tell what the gears leave free, gears on carriers turn, and as many bodies balance the torques as there are
    !> independent speeds.
-   subroutine check_turning(train, mesh_ends, carrier, checker)
+   subroutine check_turning(train, mesh_ends, carrier, network, checker)
       !> The plain train, with bodies.
       type(train_type), intent(in) :: train
       !> Bodies of each mesh, (2, mesh), and its carrier, 0: none, (mesh).
       integer, intent(in) :: mesh_ends(:, :), carrier(:)
+      !> Of a train without a problem.
+      type(network_type), intent(out) :: network
       class(checker_type), intent(inout) :: checker
       type(turning_type) :: turning
       character(:), allocatable :: why
@@ -81,7 +83,19 @@ contains
          return
       end do
       call check_balance(train, turning, checker)
-
+      ! Numbers out of their ranges make no network.
+      if (checker%problems%count > 0) return
+      call build_network(train, network)
+      if (balances(network)) return
+      i = findloc(train%bodies%balances, .true., 1)
+      if (i == 0) return
+      call checker%enter('body', i)
+      if (count(train%bodies%balances) == 1) then
+         call checker%complain('balances', '.true.', 'is that of a body that stands still: its torque does no work')
+      else
+         call checker%complain('balances', '.true.', 'leaves torques unbalanced: choose a body of another speed')
+      end if
+      call checker%leave()
    end subroutine check_turning
 
    !> Bodies with their verb: "'sun' is", "'sun' and 'ring' are", "'sun', 'ring' and 3 more are".
@@ -118,7 +132,6 @@ contains
       type(train_type), intent(in) :: train
       type(turning_type), intent(in) :: turning
       class(checker_type), intent(inout) :: checker
-      type(network_type) :: network
       integer, allocatable :: balancing(:)
       integer :: i, first
 
@@ -156,17 +169,6 @@ contains
             &torque follows from the others')
          call checker%leave()
       end do
-      ! Numbers out of their ranges make no network.
-      if (size(balancing) == 0 .or. checker%problems%count > 0) return
-      call build_network(train, network)
-      if (balances(network)) return
-      call checker%enter('body', balancing(1))
-      if (size(balancing) == 1) then
-         call checker%complain('balances', '.true.', 'is that of a body that stands still: its torque does no work')
-      else
-         call checker%complain('balances', '.true.', 'leaves torques unbalanced: choose a body of another speed')
-      end if
-      call checker%leave()
    end subroutine check_balance
 
    !> Every body is joined with the first body, and round every loop without carriers the ratios multiply to 1. A search visits each

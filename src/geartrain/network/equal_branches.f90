@@ -33,7 +33,7 @@ contains
       !> Nodes come first, then elements.
       integer :: kind(size(system%network%inertia) + system%elements), piece(size(kind)), nodes, n
       integer, allocatable :: member(:, :), length(:), total(:), begin(:), by_kind(:), by_piece(:)
-      logical :: fixed(size(system%network%inertia)), changed(size(fixed))
+      logical :: fixed(size(system%network%inertia)), changed(size(fixed)), alone
       logical, allocatable :: listed(:)
       integer :: i, j, pieces
       type(equal_branches_type) :: set
@@ -56,7 +56,10 @@ contains
             total(piece(n)) = total(piece(n)) + kind(n)
          end do
          ! Nodes and elements of each piece in the order of their kinds: by_piece(begin(i) + 1:begin(i) + length(i)).
-         begin = [(sum(length(:i - 1)), i=1, pieces)]
+         allocate (begin(pieces), source=0)
+         do i = 2, pieces
+            begin(i) = begin(i - 1) + length(i - 1)
+         end do
          length = 0
          do n = 1, size(kind)
             associate (k => by_kind(n))
@@ -82,12 +85,19 @@ contains
             call take_unknowns(system, member, set%unknown)
             if (size(set%unknown) > 0) sets = [sets, set]
          end do
-         deallocate (listed, length, total)
          ! Next the search goes on within the pieces: a node that is alone in its kind within its piece keeps its place there.
          changed = fixed
-         do n = 1, nodes
-            if (count(kind(:nodes) == kind(n) .and. piece(:nodes) == piece(n)) == 1) fixed(n) = .true.
+         do i = 1, pieces
+            associate (own => by_piece(begin(i) + 1:begin(i) + length(i)))
+               do n = 1, size(own)
+                  alone = own(n) <= nodes
+                  if (n > 1) alone = alone .and. kind(own(n - 1)) /= kind(own(n))
+                  if (n < size(own)) alone = alone .and. kind(own(n + 1)) /= kind(own(n))
+                  if (alone) fixed(own(n)) = .true.
+               end do
+            end associate
          end do
+         deallocate (listed, length, total, begin)
          if (all(changed .eqv. fixed)) exit
       end do
    end subroutine find_equal_branches
@@ -127,7 +137,7 @@ contains
       integer, intent(in) :: kind(:)
       integer, intent(out) :: piece(:), pieces
       integer, allocatable :: ends(:)
-      integer :: i, n, nodes, least
+      integer :: i, n, nodes, least, number(size(kind))
       logical :: done
 
       nodes = size(fixed)
@@ -148,11 +158,15 @@ contains
          end do
          if (done) exit
       end do
+      ! The least number of a piece is that of its first member.
       pieces = 0
       do i = 1, size(piece)
-         if (piece(i) <= pieces) cycle
-         pieces = pieces + 1
-         where (piece == piece(i)) piece = pieces
+         if (piece(i) == 0) cycle
+         if (piece(i) == i) then
+            pieces = pieces + 1
+            number(i) = pieces
+         end if
+         piece(i) = number(piece(i))
       end do
    end subroutine find_pieces
 
@@ -285,6 +299,7 @@ contains
       type(system_type), intent(in) :: system
       !> Numbers of the nodes.
       integer, intent(in) :: a, b
+      real(dp) :: difference
       integer :: i
 
       associate (network => system%network)
@@ -292,9 +307,10 @@ contains
          if (any([(any([a, b] == network%node(network%balancing(i))), i=1, size(network%balancing))])) return
          associate (r => network%radius([a, b]))
             same_nodes = equal(network%inertia([a, b])/r**2) .and. equal(network%damping([a, b])/r**2) .and. &
-                         equal(network%support([a, b])/r**2) .and. &
-                         abs(network%torque(a)/r(1) - network%torque(b)/r(2)) <= &
-                         rounding*maxval(abs(network%magnitude/network%radius))
+                         equal(network%support([a, b])/r**2)
+            difference = abs(network%torque(a)/r(1) - network%torque(b)/r(2))
+            if (difference > 0) same_nodes = same_nodes .and. &
+                                             difference <= rounding*maxval(abs(network%magnitude/network%radius))
             if (same_nodes) same_nodes = same_torques(r)
          end associate
       end associate

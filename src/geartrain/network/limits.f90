@@ -20,7 +20,7 @@ module geartrain_network_limits
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_common_period, check_frequency, check_harmonics, check_stiffest, in_order, own_frequency
+   public :: check_common_period, check_frequency, check_harmonics, check_stiffest, in_order
 
    !> Smallest mesh frequency over the frequency of the slowest mesh [1]: below this limit a period of the fundamental takes more
    !> than about 1e5 steps of the flow.
@@ -33,35 +33,40 @@ module geartrain_network_limits
 
 contains
 
-   !> Adds a problem where Lambda is too small or too large, `name = value: must be >= ...`; nothing for a train not `in_order`.
+   !> Adds a problem for every Lambda that is too small or too large, `name = value: must be >= ...`; nothing for a train not
+   !> `in_order`.
    subroutine check_frequency(given, name, value, checker, unit)
       !> The train.
       type(train_type), intent(in) :: given
-      !> Name of the variable, for the message.
-      character(*), intent(in) :: name
-      !> Frequency in `unit`.
-      real(dp), intent(in) :: value
+      !> Names of the variables, for the message.
+      character(*), intent(in) :: name(:)
+      !> Their frequencies in `unit`.
+      real(dp), intent(in) :: value(:)
       class(checker_type), intent(inout) :: checker
       !> 'Lambda', 'rpm' or 'Hz'; absent: Lambda.
       character(*), intent(in), optional :: unit
       type(train_type) :: train
       real(dp) :: decades, own, factor, least
+      integer :: i
 
       call plain_train(given, train)
       if (.not. in_order(train, checker)) return
       ! By logarithms: the ratio itself may overflow.
-      decades = log10(own_frequency(train)) - log10(train%characteristic_frequency)
+      decades = log10(slowest_of(mesh_frequencies(train))) - log10(train%characteristic_frequency)
       factor = 1
       if (present(unit)) factor = lambda_per(given, unit)
       if (.not. factor > 0) return
       own = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))/factor
       ! The fundamental of hunting teeth is as slow as many periods of a mesh are long.
       least = slowest*own/minval(train%meshes%order)
-      if (.not. value >= least) call checker%complain(name, real_text(value), 'must be >= '//real_text(least)//': at a slower &
-         &speed there are some '//integer_text(nint(1/slowest))//' vibrations or more of the slowest mesh'//trim(engaged())// &
-         ', too many to be followed; begin there: a slower train follows its loads and errors without vibration')
-      if (.not. value <= fastest*own) call checker%complain(name, real_text(value), 'must be <= '//real_text(fastest*own)// &
-         ': the train does not follow a faster frequency')
+      do i = 1, size(value)
+         if (.not. value(i) >= least) call checker%complain(trim(name(i)), real_text(value(i)), 'must be >= '// &
+            real_text(least)//': at a slower speed there are some '//integer_text(nint(1/slowest))//' vibrations or more of the &
+            &slowest mesh'//trim(engaged())//', too many to be followed; begin there: a slower train follows its loads and &
+            &errors without vibration')
+         if (.not. value(i) <= fastest*own) call checker%complain(trim(name(i)), real_text(value(i)), 'must be <= '// &
+            real_text(fastest*own)//': the train does not follow a faster frequency')
+      end do
 
    contains
 
@@ -164,17 +169,20 @@ contains
 
    !> Adds a problem for every element that vibrates or creeps too fast, or vibrates too slowly, compared with the slowest mesh;
    !> nothing for a train not `in_order`.
-   subroutine check_stiffest(train, checker)
+   subroutine check_stiffest(train, own, checker)
       !> The plain train.
       type(train_type), intent(in) :: train
+      !> Frequency of the slowest mesh, neither 0 nor infinite, of a train `in_order` [rad/s].
+      real(dp), intent(out) :: own
       class(checker_type), intent(inout) :: checker
       type(nodes_type) :: nodes
       character(*), parameter :: units = 'are radii, inertias and stiffness in SI units?'
-      real(dp) :: own, frequency(merge(size(train%meshes), 0, allocated(train%meshes)))
+      real(dp) :: frequency(merge(size(train%meshes), 0, allocated(train%meshes)))
       type(characteristic_type) :: found
       integer, allocatable :: shaft_ends(:, :), mesh_ends(:, :)
       integer :: i
 
+      own = 1
       if (.not. in_order(train, checker)) return
       frequency = mesh_frequencies(train)
       own = slowest_of(frequency)
@@ -273,14 +281,6 @@ contains
                                       checker%problems%in_group('shaft') .or. checker%problems%in_group('mesh') .or. &
                                       checker%problems%in_group('coupling') .or. checker%problems%in_group('bearing'))
    end function in_order
-
-   !> Frequency of the slowest mesh [rad/s], see `mesh_frequencies`; neither 0 nor infinite.
-   pure real(dp) function own_frequency(train)
-      !> A plain train that is `in_order`.
-      type(train_type), intent(in) :: train
-
-      own_frequency = slowest_of(mesh_frequencies(train))
-   end function own_frequency
 
    !> The slowest of these frequencies; neither 0 nor infinite.
    pure real(dp) function slowest_of(frequency)

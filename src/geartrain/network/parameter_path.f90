@@ -175,7 +175,7 @@ contains
       call self%train_at(value, train)
       call check_train(train, found)
       if (.not. allocated(found)) then
-         call check_frequency(train, 'frequency', self%frequency_ratio, checker)
+         call check_frequency(train, ['frequency'], [self%frequency_ratio], checker)
          call checker%problems%raise('', found)
       end if
       if (allocated(found)) then

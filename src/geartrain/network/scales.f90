@@ -4,7 +4,7 @@ module geartrain_network_scales
    use geartrain_base_checker, only: checker_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text, text
-   use geartrain_network_limits, only: in_order, own_frequency
+   use geartrain_network_limits, only: in_order
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
    use geartrain_train_gear_error, only: gear_words
    use geartrain_train_mesh, only: mesh_type
@@ -30,20 +30,21 @@ contains
 
    !> Adds a problem where values of a train, each in its range, give together a scale beyond the limits. All by logarithms, which
    !> do not overflow for any values and any number of meshes.
-   subroutine check_scales(train, derived, checker)
+   subroutine check_scales(train, own, derived, checker)
       !> The plain train.
       type(train_type), intent(in) :: train
+      !> Frequency of its slowest mesh [rad/s].
+      real(dp), intent(in) :: own
       !> Whether the characteristic frequency follows from the common period of all teeth at 1 rpm, because it is not given.
       logical, intent(in) :: derived
       class(checker_type), intent(inout) :: checker
-      real(dp) :: static, unit, largest, own
+      real(dp) :: static, unit, largest
       !> Logarithms of the reduced radius and of the force by the mean torque at this radius, (body); of the displacement of each
       !> mesh per force, (mesh) [decades].
       real(dp) :: radius(body_count(train)), force(body_count(train)), compliance(size(train%meshes))
       integer :: b, gear, j, before, strongest
 
       if (.not. in_order(train, checker)) return
-      own = own_frequency(train)
       before = checker%problems%count
       call checker%enter('train', 1)
       if (abs(log10(own) - log10(train%characteristic_frequency)) > off_unit) then

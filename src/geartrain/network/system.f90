@@ -249,7 +249,13 @@ contains
       type(system_type), intent(inout) :: system
       real(dp) :: w
       integer :: n, m, count
+      !> Which elements are at each node, (element, node); which of them have a node in common with an element, (element).
+      logical, allocatable :: at(:, :), near(:)
 
+      allocate (at(system%elements, size(network%inertia)), source=.false.)
+      do m = 1, system%elements
+         at(m, network%elements(m)%node) = .true.
+      end do
       allocate (system%own(system%elements), system%first(system%elements + 1), &
                 system%torque_gain(system%elements, size(system%torque)))
       allocate (system%neighbour(4*system%elements), system%coupling(4*system%elements))
@@ -263,8 +269,9 @@ contains
                                                         /(network%inertia(node)*system%characteristic_frequency**2)
             end associate
          end do
+         near = any(at(:, network%elements(n)%node), 2)
          do m = 1, system%elements
-            if (.not. network%elements(n)%touches(network%elements(m))) cycle
+            if (.not. near(m)) cycle
             w = inverse_inertia(n, m)*system%stiffness(m)/system%characteristic_frequency**2
             if (m == n) then
                system%own(n) = w

@@ -22,7 +22,7 @@ module geartrain_run_room
       !> Name of the analysis under way.
       character(24), private :: analysis = ''
       !> Steps of the analysis so far; number of the step after which the results are measured next.
-      integer, private :: steps = 0, next = 1
+      integer, private :: steps = 0, next = fewest
    contains
       procedure :: look
    end type room_type
@@ -46,7 +46,7 @@ contains
       if (analysis /= self%analysis) then
          self%analysis = analysis
          self%steps = 0
-         self%next = 1
+         self%next = fewest
       end if
       self%steps = self%steps + 1
       if (self%steps >= self%next) then

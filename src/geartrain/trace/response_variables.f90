@@ -194,8 +194,7 @@ contains
 
       !> Checks the ends of a range of frequencies.
       subroutine check_ends()
-         call check_frequency(train, 'from', settings%start, checker, settings%unit)
-         call check_frequency(train, 'to', settings%stop, checker, settings%unit)
+         call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
          if (abs(settings%frequency) > 0) &
             call checker%complain('frequency', real_text(settings%frequency), 'belongs to parameter, which is not given')
       end subroutine check_ends
@@ -210,7 +209,7 @@ contains
                                   &the frequency stays constant')
             return
          end if
-         call check_frequency(train, 'frequency', settings%frequency, checker, settings%unit)
+         call check_frequency(train, ['frequency'], [settings%frequency], checker, settings%unit)
          if (checker%problems%of_train() .or. checker%problems%in_group('response')) return
          ! What is wrong with the train is told elsewhere.
          call check_train(train, wrong)
