@@ -9,7 +9,7 @@ module geartrain_network_check_network
    use geartrain_network_check_coupling, only: check_friction, check_middles
    use geartrain_network_check_turning, only: check_joints, check_turning
    use geartrain_train_mesh_groups, only: enter_mesh, group_name
-   use geartrain_network_network, only: build_network, network_type
+   use geartrain_network_network, only: network_type
    use geartrain_network_nodes, only: join_rigid, nodes_type
    use geartrain_network_rest, only: largest_residual, rest_forces
    use geartrain_train_bodies, only: find_carriers, find_ends

@@ -36,12 +36,14 @@ contains
       logical :: fixed(size(system%network%inertia)), changed(size(fixed)), alone
       logical, allocatable :: listed(:)
       integer :: i, j, pieces
+      real(dp) :: least
       type(equal_branches_type) :: set
 
       allocate (sets(0))
       ! Torques that are equal at one speed may differ at others.
       if (allocated(system%speed_loads)) return
       nodes = size(fixed)
+      least = rest_error*maxval(abs(system%static_force))
       call find_kinds(system, kind)
       by_kind = ascending(real(kind, dp))
       by_piece = by_kind
@@ -76,7 +78,7 @@ contains
             do j = i + 1, pieces
                if (length(j) /= length(i) .or. total(j) /= total(i)) cycle
                associate (other => by_piece(begin(j) + 1:begin(j) + length(j)))
-                  if (.not. are_equal(system, fixed, kind, member(:, 1), other)) cycle
+                  if (.not. are_equal(system, fixed, kind, least, member(:, 1), other)) cycle
                   member = reshape([member, other], [size(member, 1), size(member, 2) + 1])
                end associate
                listed(j) = .true.
@@ -171,10 +173,12 @@ contains
    end subroutine find_pieces
 
    !> Whether two pieces, in the order of their kinds, may change places.
-   pure logical function are_equal(system, fixed, kind, one, other)
+   pure logical function are_equal(system, fixed, kind, least, one, other)
       type(system_type), intent(in) :: system
       logical, intent(in) :: fixed(:)
       integer, intent(in) :: kind(:), one(:), other(:)
+      !> Static forces that differ by less are equal.
+      real(dp), intent(in) :: least
       integer :: i, k, n(2), nodes
 
       are_equal = all(kind(one) == kind(other))
@@ -193,7 +197,7 @@ contains
             end do
          end associate
          associate (force => system%static_force(n))
-            are_equal = are_equal .and. abs(force(1) - force(2)) <= rest_error*maxval(abs(system%static_force))
+            are_equal = are_equal .and. abs(force(1) - force(2)) <= least
          end associate
       end do
    end function are_equal
