@@ -122,7 +122,7 @@ contains
    end subroutine put_force
 
    !> Finds the largest force of one mesh.
-   subroutine read_force(self, system, mesh, frequency_ratio, u, harmonic, transform, load, contact)
+   subroutine read_force(self, system, mesh, frequency_ratio, u, harmonic, transform, load, contact, ends)
       class(force_reader_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       !> Number of the mesh.
@@ -139,6 +139,8 @@ contains
       type(mesh_load_type), intent(inout) :: load
       !> Contact of the mesh at this motion; needed where its force may be largest at events.
       type(contact_type), intent(in), optional :: contact
+      !> Smallest and largest value of phi [1].
+      real(dp), intent(out), optional :: ends(2)
       real(dp) :: rate, largest, reversed, below, above
       real(dp), allocatable :: damping(:)
       integer :: q, s
@@ -167,9 +169,12 @@ contains
          end if
          largest = 0
          reversed = 0
-         if (.not. system%static_force(n) < 0) largest = top(force, 1, u, harmonic, law, self%eta, frequency_ratio, contact)
-         if (.not. system%static_force(n) > 0) reversed = top(force, -1, u, harmonic, law, self%eta, frequency_ratio, contact)
+         if (.not. system%static_force(n) < 0 .or. present(ends)) &
+            largest = top(force, 1, u, harmonic, law, self%eta, frequency_ratio, contact)
+         if (.not. system%static_force(n) > 0 .or. present(ends)) &
+            reversed = top(force, -1, u, harmonic, law, self%eta, frequency_ratio, contact)
       end associate
+      if (present(ends)) ends = [-reversed, largest]
       call put_force(system, system%static_force, mesh, largest, reversed, load)
    end subroutine read_force
 

@@ -28,6 +28,8 @@ module geartrain_network_torque_paths
       !> element [m].
       integer, allocatable :: first(:), element(:)
       real(dp), allocatable :: gain(:)
+      !> Mesh, coupling or direction of a bearing whose force alone, times the gain, is the torque or force, 0: none, (row).
+      integer, allocatable :: alone(:)
       !> Likewise of the fluctuating torques of the system: torque_first, numbers of the torques, gains [1].
       integer, allocatable :: torque_first(:), torque(:)
       real(dp), allocatable :: torque_gain(:)
@@ -95,7 +97,11 @@ contains
       end do
       paths%first(paths%rows + 1) = size(paths%element) + 1
       paths%torque_first(paths%rows + 1) = size(paths%torque) + 1
-
+      allocate (paths%alone(paths%rows), source=0)
+      do s = 1, paths%rows
+         if (paths%first(s + 1) - paths%first(s) == 1 .and. paths%torque_first(s + 1) == paths%torque_first(s) .and. &
+             .not. abs(paths%constant(s)) > 0) paths%alone(s) = network%elements(paths%element(paths%first(s)))%mesh
+      end do
    end subroutine find_torque_paths
 
    !> Adds to the force of a bearing in x or y those of its further rows in this direction.

@@ -6,7 +6,8 @@ module geartrain_readings_force_remarks
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_readings_slow_sweeps, only: is_out_of_reach
    use geartrain_trace_branch, only: branch_type
-   use geartrain_train_mesh, only: coupling_radius
+   use geartrain_mesh_law_law, only: law_type
+   use geartrain_train_mesh, only: coupling_radius, put_law
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -45,17 +46,19 @@ contains
       end do
    end subroutine find_errors
 
-   !> Estimated error of the largest force of a mesh over this force [1]: the error of the waveform times the force of its rms, or
-   !> times the largest force where this is larger. On eight trains refined motions differ by up to 1.8 times this estimate, half of
-   !> them by less than a fifth of it.
+   !> Estimated error of the largest force of a mesh over this force [1]: the error of the waveform times the force of its rms in
+   !> the stiffest stage, or times the largest force where this is larger. On eight trains refined motions differ by up to 1.8
+   !> times this estimate, half of them by less than a fifth of it.
    pure real(dp) function force_error(branch, plain, mesh, i)
       type(branch_type), intent(in) :: branch
       !> The plain train.
       type(train_type), intent(in) :: plain
       integer, intent(in) :: mesh, i
+      type(law_type) :: law
 
+      call put_law(plain%meshes(mesh), plain%characteristic_length, law)
       associate (force => abs(branch%mesh_load(mesh, i)%force_maximum), &
-                 vibration => plain%meshes(mesh)%stiffness*plain%characteristic_length*branch%rms(mesh, i) &
+                 vibration => maxval(law%stiffness)*plain%meshes(mesh)%stiffness*plain%characteristic_length*branch%rms(mesh, i) &
                               *merge(coupling_radius, 1.0_dp, plain%meshes(mesh)%is_coupling))
          force_error = branch%mesh_error_estimate(mesh, i)*max(1.0_dp, vibration/max(force, tiny(1.0_dp)))
       end associate

@@ -141,6 +141,7 @@ contains
       end do
       if (any(abs(ends%frequency_ratio - frequency_ratio) <= 0)) &
          call solve_across(tracer, ends, frequency_ratio, solution, success)
+      if (.not. success) call walk(tracer, ends, drift, frequency_ratio, solution, success)
 
    contains
 
@@ -205,6 +206,50 @@ contains
       success = success .and. abs(solution%frequency_ratio - frequency_ratio) <= at_frequency*abs(frequency_ratio)
       solution%frequency_ratio = frequency_ratio
    end subroutine solve_across
+
+   !> Solves at a frequency on the way from one neighbour to the other by short steps: between them the branch may pass a resonance
+   !> that is much narrower than their distance.
+   subroutine walk(tracer, ends, drift, frequency_ratio, solution, success)
+      type(tracer_type), intent(inout) :: tracer
+      type(solution_point_type), intent(in) :: ends(2)
+      !> By how much the ends may lie off solutions of the balance [1].
+      real(dp), intent(in) :: drift
+      real(dp), intent(in) :: frequency_ratio
+      type(solution_point_type), intent(out) :: solution
+      !> The way leads to the other neighbour.
+      logical, intent(out) :: success
+      integer, parameter :: fewest = 16, most = 1024
+      type(solution_point_type) :: here
+      real(dp), allocatable :: before(:, :), guess(:, :)
+      integer :: k, steps
+      logical :: passed
+
+      steps = fewest
+      do while (steps <= most)
+         here = ends(1)
+         before = here%u
+         passed = .false.
+         do k = 0, steps
+            ! On along the latest step.
+            guess = 2*here%u - before
+            before = here%u
+            here%u = guess
+            here%frequency_ratio = ends(1)%frequency_ratio + k*(ends(2)%frequency_ratio - ends(1)%frequency_ratio)/steps
+            call tracer%corrector%solve_at(here, success)
+            if (.not. success) exit
+            if (passed .or. abs(here%frequency_ratio - ends(1)%frequency_ratio) &
+                < abs(frequency_ratio - ends(1)%frequency_ratio)) cycle
+            passed = .true.
+            solution = here
+            solution%frequency_ratio = frequency_ratio
+            call tracer%corrector%solve_at(solution, success)
+            if (.not. success) exit
+         end do
+         if (success) success = norm2(here%u - ends(2)%u) <= 0.1_dp*norm2(ends(2)%u - ends(1)%u) + max(drift, 0.0_dp)
+         if (success) return
+         steps = 4*steps
+      end do
+   end subroutine walk
 
    subroutine gather(found, settings, motions)
       type(branch_type), intent(in) :: found

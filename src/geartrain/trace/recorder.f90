@@ -124,7 +124,8 @@ contains
       !> Number of its segment.
       integer, intent(in) :: segment
       type(branch_type), intent(inout), target :: branch
-      real(dp) :: coefficients(balance%block, balance%system%meshes)
+      !> Coefficients of the displacements [1]; smallest and largest force by the law over k b_c [1], (end, mesh).
+      real(dp) :: coefficients(balance%block, balance%system%meshes), ends(2, balance%system%meshes)
       type(assessment_type) :: assessment
       type(force_reader_type) :: fresh
       integer(int64) :: began, now, rate
@@ -163,15 +164,18 @@ contains
          branch%mean(j, n) = coefficients(1, j)
          ! `extremes` leaves the samples of p in self%transform, which the reader of forces uses: other samples come after it.
          call extremes(coefficients(:, j), balance%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
-         if (balance%system%law(j)%peaks) then
-            call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
-                                  self%transform, &
-                                  branch%mesh_load(j, n), balance%contact(findloc(balance%mesh, j, 1)))
-         else
-            call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
-                                  self%transform, &
-                                  branch%mesh_load(j, n))
-         end if
+         associate (law => balance%system%law(j), load => branch%mesh_load(j, n), place => findloc(balance%mesh, j, 1))
+            if (law%highest > law%lowest .and. any(balance%system%torque_paths%alone == j)) then
+               call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
+                                     self%transform, load, balance%contact(place), ends(:, j))
+            else if (law%peaks) then
+               call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
+                                     self%transform, load, balance%contact(place))
+            else
+               call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
+                                     self%transform, load)
+            end if
+         end associate
          branch%mesh_load(j, n)%separation = 0
          branch%mesh_load(j, n)%back_contact = 0
       end do
@@ -180,7 +184,7 @@ contains
             call balance%contact(j)%shares(load%separation, load%back_contact)
          end associate
       end do
-      if (self%shaft_torque) call put_torques(self, balance, n, branch)
+      if (self%shaft_torque) call put_torques(self, balance, n, ends, branch)
       if (allocated(branch%coupling_energy_loss)) &
          call find_coupling_losses(balance, coefficients, branch%coupling_energy_loss(:, n))
       if (branch%planets > 0) call share_load(balance, n, branch)
@@ -211,14 +215,30 @@ contains
    end subroutine add
 
    !> Sets the torques of shafts and the forces of bearings at point n.
-   subroutine put_torques(self, balance, n, branch)
+   subroutine put_torques(self, balance, n, ends, branch)
       class(recorder_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: n
+      !> Smallest and largest force by the law over k b_c of a mesh that is not linear and whose force alone is one of these torques
+      !> and forces [1], (end, mesh).
+      real(dp), intent(in) :: ends(:, :)
       type(branch_type), intent(inout) :: branch
       real(dp), dimension(balance%system%torque_paths%rows) :: mean, low, high, ac
+      integer :: j, s
 
       call find_shaft_torques(balance, self%transform, mean, low, high, ac)
+      ! The law has no ripples at the kinks of the force, which the harmonics that the balance carries have.
+      associate (system => balance%system, paths => balance%system%torque_paths)
+         do s = 1, paths%rows
+            j = paths%alone(s)
+            if (j == 0) cycle
+            if (system%law(j)%highest == system%law(j)%lowest) cycle
+            associate (unit => paths%gain(paths%first(s))*system%stiffness(system%mesh_element(j))*system%characteristic_length)
+               low(s) = minval(unit*ends(:, j))
+               high(s) = maxval(unit*ends(:, j))
+            end associate
+         end do
+      end associate
       associate (torques => balance%system%torque_paths%torques, force => branch%bearing_force)
          branch%shaft_torque_mean(:, n) = mean(:torques)
          branch%shaft_torque_minimum(:, n) = low(:torques)

@@ -1,10 +1,13 @@
 !> Steps along a branch, from a solution point to the next, and the points recorded: what a trace is made of.
 module geartrain_trace_stepper
    use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: text
+   use geartrain_base_words, only: operator(//)
    use geartrain_linalg_cubic, only: share_at
    use geartrain_trace_adaptive_corrector, only: adaptive_corrector_type
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_corrector, only: solution_point_type
+   use geartrain_trace_narrow_resonances, only: narrow_resonances_type
    use geartrain_trace_recorder, only: recorder_type
    use geartrain_trace_step_extremes, only: cut_at_extreme, quantities_type
    use geartrain_trace_step_geometry, only: arc_length, cosine, cosine_limit, go_along, hides_folds
@@ -18,9 +21,13 @@ module geartrain_trace_stepper
    !> Number of steps one after another whose end is not found with the harmonics that the tolerance needs, after which ends are
    !> kept with fewer, as points that miss the tolerance, until more are found again.
    integer, parameter :: most_refusals = 3
+   !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
+   real(dp), parameter :: named_from = 3
 
    type, extends(adaptive_corrector_type) :: stepper_type
       type(recorder_type) :: recorder
+      !> Resonances that a step may be wider than.
+      type(narrow_resonances_type) :: resonances
       !> The branch is shown: its points must have what is read off it, and their errors. Else it only leads to its end.
       logical :: shows = .true.
       !> Number of the segment of the branch that is traced.
@@ -36,7 +43,7 @@ module geartrain_trace_stepper
       type(quantities_type) :: quantities
       integer, private :: read_at = -1
    contains
-      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at, adapt_end
+      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at, adapt_end, tell_missed
    end type stepper_type
 
 contains
@@ -222,5 +229,35 @@ contains
       success = self%corrector%length_of(next%u - guess%u) < max(h, 1e-8_dp)
       if (success) call self%corrector%orient(next, merge(1, -1, bound > here%frequency_ratio))
    end subroutine stop_at
+
+   !> Adds to the reason for the end how many points miss the tolerance; a branch whose points all miss it is not complete. Where a
+   !> branch is nearly vertical a small error of Lambda is a large error at constant Lambda, which more harmonics hardly reduce.
+   !> A mesh of small amplitude, and its force, may have a large relative error where the error of all meshes together is small.
+   subroutine tell_missed(self, branch)
+      class(stepper_type), intent(in) :: self
+      !> Traced branch; gets `ended` and `complete`.
+      type(branch_type), intent(inout) :: branch
+      integer :: steep, worst(2)
+
+      if (self%settings%harmonics /= 0) return
+      if (branch%points > 0) then
+         worst = maxloc(branch%mesh_error_estimate(:, :branch%points), &
+                        spread(branch%error_estimate(:branch%points) <= self%settings%tolerance, 1, branch%meshes))
+         if (all(worst > 0)) then
+            associate (error => branch%mesh_error_estimate(worst(1), worst(2)))
+               if (error > named_from*self%settings%tolerance) branch%ended = branch%ended//'; '// &
+                  trim(self%system%mesh_name(worst(1)))//' has a small amplitude: its relative error is up to '//text(error)// &
+                  ', above the tolerance'
+            end associate
+         end if
+      end if
+      steep = count(branch%error_estimate(:branch%points) > self%settings%tolerance) - self%missed
+      if (steep > 0) branch%ended = branch%ended//'; '//text(steep)//' points where it is nearly vertical miss the tolerance'
+      if (self%missed == 0) return
+      if (self%missed >= branch%points) branch%complete = .false.
+      branch%ended = branch%ended//'; '//text(min(self%missed, branch%points))//' of '//text(branch%points) &
+                     //' points miss the tolerance '//text(self%settings%tolerance)//' with '//text(branch%harmonics) &
+                     //' harmonics at most'
+   end subroutine tell_missed
 
 end module geartrain_trace_stepper

@@ -33,8 +33,6 @@ module geartrain_trace_tracer
 
    !> Length of the first step, and of the smallest one, in the metric of the branch.
    real(dp), parameter :: first_step = 0.01_dp, smallest_step = 1e-9_dp
-   !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
-   real(dp), parameter :: named_from = 3
    !> Length of a step that is as good as the fold in it.
    real(dp), parameter :: fold_itself = 1e-6_dp
 
@@ -48,7 +46,7 @@ module geartrain_trace_tracer
       !> The next trace goes on from branch%trace.
       logical :: resumes = .false.
    contains
-      procedure :: trace, tell_missed, note_state, restore_state
+      procedure :: trace, note_state, restore_state
       procedure, private :: find_end, add_fold, add_changes, jumped
    end type tracer_type
 
@@ -174,6 +172,7 @@ contains
             hidden = .false.
             call self%add_changes(here, next, fold, fold_at, before, branch, hidden)
             lost = hidden .and. .not. known .and. size(crossings) == 0
+            if (self%shows .and. .not. (lost .or. fold_at > 0)) lost = self%resonances%hide(self%corrector, here, next)
          end if
          if (lost) then
             branch%points = self%kept(1)
@@ -416,35 +415,5 @@ contains
          end if
       end associate
    end subroutine add_changes
-
-   !> Adds to the reason for the end how many points miss the tolerance; a branch whose points all miss it is not complete. Where a
-   !> branch is nearly vertical a small error of Lambda is a large error at constant Lambda, which more harmonics hardly reduce.
-   !> A mesh of small amplitude, and its force, may have a large relative error where the error of all meshes together is small.
-   subroutine tell_missed(self, branch)
-      class(tracer_type), intent(in) :: self
-      !> Traced branch; gets `ended` and `complete`.
-      type(branch_type), intent(inout) :: branch
-      integer :: steep, worst(2)
-
-      if (self%settings%harmonics /= 0) return
-      if (branch%points > 0) then
-         worst = maxloc(branch%mesh_error_estimate(:, :branch%points), &
-                        spread(branch%error_estimate(:branch%points) <= self%settings%tolerance, 1, branch%meshes))
-         if (all(worst > 0)) then
-            associate (error => branch%mesh_error_estimate(worst(1), worst(2)))
-               if (error > named_from*self%settings%tolerance) branch%ended = branch%ended//'; '// &
-                  trim(self%system%mesh_name(worst(1)))//' has a small amplitude: its relative error is up to '//text(error)// &
-                  ', above the tolerance'
-            end associate
-         end if
-      end if
-      steep = count(branch%error_estimate(:branch%points) > self%settings%tolerance) - self%missed
-      if (steep > 0) branch%ended = branch%ended//'; '//text(steep)//' points where it is nearly vertical miss the tolerance'
-      if (self%missed == 0) return
-      if (self%missed >= branch%points) branch%complete = .false.
-      branch%ended = branch%ended//'; '//text(min(self%missed, branch%points))//' of '//text(branch%points) &
-                     //' points miss the tolerance '//text(self%settings%tolerance)//' with '//text(branch%harmonics) &
-                     //' harmonics at most'
-   end subroutine tell_missed
 
 end module geartrain_trace_tracer

@@ -1,0 +1,69 @@
+"""Resonances much narrower than the steps of a response over a wide range: against a closed form, and responses over them alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import ROOT
+
+import geartrain as gt
+
+RADIUS, INERTIA, STIFFNESS, ERROR = 0.05, 0.002, 2e8, 1e-6
+
+
+def pair(ratio, **changes):
+    """Two equal gears with a sinusoidal transmission error, in contact throughout: p'' + 2 ratio p' + p = error Lambda^2 cos."""
+    length = 20e-6
+    values = {"characteristic_length": length, "characteristic_frequency": np.sqrt(2 * STIFFNESS * RADIUS**2 / INERTIA), **changes}
+    mesh = gt.Mesh(between=("pinion", "wheel"), driving_radius=RADIUS, driven_radius=RADIUS, stiffness=STIFFNESS,
+                   damping_ratio=ratio, half_backlash=length, error_cos=[ERROR])
+    bodies = [gt.Body(name="pinion", inertia=INERTIA, torque=5e-3 * STIFFNESS * RADIUS),
+              gt.Body(name="wheel", inertia=INERTIA, balances=True)]
+    return gt.Train(bodies=bodies, meshes=[mesh], **values)
+
+
+@pytest.mark.parametrize("stability", [False, True])
+@pytest.mark.parametrize("harmonics", [0, 3])
+@pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4])
+def test_peak_of_a_pair(ratio, harmonics, stability):
+    """Its height and place after the closed form, to the digits of the peaks."""
+    branch = pair(ratio).response(start=0.3, stop=2.6, harmonics=harmonics, stability=stability)
+    peak = max(branch.peaks(), key=lambda peak: peak.rms)
+    # The largest value of Lambda^2/|1 - Lambda^2 + 2i ratio Lambda|, times the error; the rms of the paper is the amplitude.
+    assert peak.frequency == pytest.approx(1 / np.sqrt(1 - 2 * ratio**2), rel=1e-7)
+    assert peak.rms == pytest.approx(ERROR / 20e-6 / (2 * ratio * np.sqrt(1 - ratio**2)), rel=1e-6)
+
+
+def light(seed):
+    """The paper's train with little damping and little variation of the stiffness."""
+    rng = np.random.default_rng(seed)
+    ratio = 10 ** rng.uniform(-4, -1.5)
+    meshes = [{"stiffness": 10 ** rng.uniform(8, 9), "damping_ratio": ratio * 10 ** rng.uniform(-0.3, 0.3),
+               "stiffness_cos": [min(0.4, ratio * 10 ** rng.uniform(-0.5, 1))], "half_backlash": rng.choice([0.0, 3e-5])}
+              for _ in range(2)]
+    train = gt.read_case(ROOT / "namelists" / "fig03.nml").train
+    return replace(train, meshes=[replace(mesh, **values) for mesh, values in zip(train.meshes, meshes)],
+                   shafts=[replace(shaft, damping_ratio=ratio) for shaft in train.shafts]), rng
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_random_trains(times):
+    """Over resonances by the mean stiffness and half of it, between points; where the branch does not turn back, nor nearly."""
+    compared = 0
+    for seed in range(times(200)):
+        train, rng = light(seed)
+        settings = {"harmonics": int(rng.choice([0, 3, 6])), "stability": False}
+        wide = train.response(start=0.3, stop=2.6, **{**settings, "stability": bool(rng.integers(2))})
+        if (np.diff(wide.frequency) <= 0).any():
+            continue
+        modes = train.modes()
+        for natural, ratio in zip(modes.natural_frequency, modes.damping_ratio):
+            for at in (natural, natural / 2):
+                if not 0.35 < at < 2.4:
+                    continue
+                alone = train.response(start=at * (1 - 6 * ratio), stop=at * (1 + 6 * ratio), **settings)
+                between = np.array([np.interp(alone.frequency, wide.frequency, rms) for rms in wide.rms.T]).T
+                compared += 1
+                # Lower peaks may lie within the tolerance of the curve, 5e-3.
+                assert np.abs(between - alone.rms).max() < max(0.2 * alone.rms.max(), 0.03), (seed, at)
+    assert compared > times(200)
