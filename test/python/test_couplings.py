@@ -176,16 +176,18 @@ def test_random_networks(times):
 
 def test_balance_and_shooting():
     """The balance with its own coefficients, its error estimate, its multipliers; the largest torque, at a corner or not."""
-    train = driveline(2, damping=0.5, **BENT)
-    branch = train.response(start=0.08, stop=0.16, harmonics=30)
-    for motion in branch.at(0.1):
+    train = driveline(2, swing=50.0, damping=0.5, **BENT)
+    motions = train.response(start=0.3, stop=0.5, harmonics=30).at(0.4)
+    assert len(motions) == 3
+    for motion in motions:
         exact = motion.refine()
-        assert motion.error_estimate < 0.02
+        # Corners are passed: the balance is not exact.
+        assert 1e-8 < motion.error_estimate < 1e-3
         assert np.abs(motion.rms - exact.rms).max() < 3 * motion.error_estimate * exact.rms.max()
-        assert max(abs(motion.multipliers)) == pytest.approx(max(abs(exact.multipliers)), rel=0.05)
-        assert motion.coupling_torque_maximum is not None
-        assert motion.mesh_force_maximum[1:] == pytest.approx(motion.coupling_torque_maximum, rel=1e-6)
-        assert exact.coupling_torque_maximum == pytest.approx(motion.coupling_torque_maximum, rel=0.02)
+        assert max(abs(motion.multipliers)) == pytest.approx(max(abs(exact.multipliers)), rel=2e-3)
+        assert motion.mesh_force_maximum[1:] == pytest.approx(motion.coupling_torque_maximum, rel=1e-12)
+        assert motion.coupling_torque_maximum == pytest.approx(exact.coupling_torque_maximum, rel=1e-4)
+        assert motion.coupling_torque_minimum == pytest.approx(exact.coupling_torque_minimum, rel=5e-4)
         assert exact.coupling_torque_maximum == pytest.approx(exact.coupling_torque.max(axis=0), rel=1e-3)
 
 

@@ -11,13 +11,13 @@ import geartrain as gt
 RADIUS, INERTIA, STIFFNESS, ERROR = 0.05, 0.002, 2e8, 1e-6
 
 
-def pair(ratio, **changes):
+def pair(ratio, deflection=5e-3, **changes):
     """Two equal gears with a sinusoidal transmission error, in contact throughout: p'' + 2 ratio p' + p = error Lambda^2 cos."""
     length = 20e-6
     values = {"characteristic_length": length, "characteristic_frequency": np.sqrt(2 * STIFFNESS * RADIUS**2 / INERTIA), **changes}
     mesh = gt.Mesh(between=("pinion", "wheel"), driving_radius=RADIUS, driven_radius=RADIUS, stiffness=STIFFNESS,
                    damping_ratio=ratio, half_backlash=length, error_cos=[ERROR])
-    bodies = [gt.Body(name="pinion", inertia=INERTIA, torque=5e-3 * STIFFNESS * RADIUS),
+    bodies = [gt.Body(name="pinion", inertia=INERTIA, torque=deflection * STIFFNESS * RADIUS),
               gt.Body(name="wheel", inertia=INERTIA, balances=True)]
     return gt.Train(bodies=bodies, meshes=[mesh], **values)
 
@@ -32,6 +32,20 @@ def test_peak_of_a_pair(ratio, harmonics, stability):
     # The largest value of Lambda^2/|1 - Lambda^2 + 2i ratio Lambda|, times the error; the rms of the paper is the amplitude.
     assert peak.frequency == pytest.approx(1 / np.sqrt(1 - 2 * ratio**2), rel=1e-7)
     assert peak.rms == pytest.approx(ERROR / 20e-6 / (2 * ratio * np.sqrt(1 - ratio**2)), rel=1e-6)
+
+
+@pytest.mark.parametrize("harmonics", [0, 24])
+@pytest.mark.parametrize("order", [3, 7, 20])
+@pytest.mark.parametrize("ratio", [3e-2, 1e-3])
+def test_peak_of_a_high_order(ratio, order, harmonics):
+    """An error with a small first order and one whose resonance is the only one in the range, whatever harmonics are carried."""
+    given = pair(ratio, 6e-5)
+    error = [1e-7] + [0.0] * (order - 2) + [ratio * given.characteristic_length]
+    given = replace(given, meshes=[replace(given.meshes[0], error_cos=error)])
+    branch = given.response(start=0.3 / order, stop=min(0.95, 2.6 / order), harmonics=harmonics, stability=False)
+    peak = max(branch.peaks(), key=lambda peak: peak.rms)
+    assert peak.frequency == pytest.approx(1 / np.sqrt(1 - 2 * ratio**2) / order, rel=1e-4)
+    assert peak.rms == pytest.approx(1 / (2 * np.sqrt(1 - ratio**2)), rel=2e-3)
 
 
 def light(seed):
@@ -67,3 +81,14 @@ def test_random_trains(times):
                 # Lower peaks may lie within the tolerance of the curve, 5e-3.
                 assert np.abs(between - alone.rms).max() < max(0.2 * alone.rms.max(), 0.03), (seed, at)
     assert compared > times(200)
+
+
+@pytest.mark.parametrize("stability", [False, True])
+@pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4])
+def test_peak_over_a_stiffness(ratio, stability):
+    """At constant speed over the stiffness, whose resonance has the height of that over speed."""
+    branch = pair(ratio).continuation(parameter="mesh 1 stiffness", start=0.5 * STIFFNESS, stop=2 * STIFFNESS, frequency=1.0,
+                                      harmonics=3, stability=stability)
+    peak = max(branch.peaks(), key=lambda peak: peak.rms)
+    assert peak.parameter == pytest.approx(STIFFNESS * (1 - 2 * ratio**2), rel=1e-7)
+    assert peak.rms == pytest.approx(ERROR / 20e-6 / (2 * ratio * np.sqrt(1 - ratio**2)), rel=1e-6)

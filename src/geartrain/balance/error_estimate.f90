@@ -105,7 +105,7 @@ contains
       else
          call put(tail_harmonics(balance, frequency_ratio))
       end if
-      estimate%remainder = 0
+      call find_remainder(balance, u, [integer ::], reshape([complex(dp) ::], [0, 0]), estimate%remainder)
       estimate%error = 0*u
       if (estimate%count == 0) return
       if (balance%unknowns == 0) then

@@ -1,94 +1,140 @@
-!> Resonances that a step passes unseen because they are narrower than it: the tangents at both of its ends know nothing of them.
+!> Where resonances lie that are narrower than a step: the tangents at both of its ends know nothing of them.
 !>
-!> Where teeth stay in contact harmonic h of the motion has a resonance at Lambda_r = eta omega_n/h, whose half width is
-!> zeta_n Lambda_r. Away from it, the amplitude of the mode over its amplitude there is 2 zeta_n/|1 - (Lambda/Lambda_r)**2|, so the
-!> ends of the step tell how large the motion may be in between. Where it may be off the cubic through both ends, the balance is
-!> solved there. Where teeth part a resonance is as wide as the branch is bent, and the branch is followed through it.
+!> Where teeth stay in contact harmonic h of the motion has a resonance at eta omega_n/h = Lambda, whose half width is zeta_n
+!> Lambda. Over a parameter the natural frequencies omega_n are known at some values of it, and between them by the secant.
 module geartrain_trace_narrow_resonances
+   use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: dp
-   use geartrain_linalg_cubic, only: share_at
    use geartrain_network_natural_modes, only: stiffness_at_rest
    use geartrain_network_system, only: system_type
    use geartrain_network_system_spectrum, only: eigenvalues_of
-   use geartrain_trace_corrector, only: corrector_type, solution_point_type
-   use geartrain_trace_step_geometry, only: arc_length, go_along
-   use geartrain_trace_step_length, only: carries_same, curve_limit
    implicit none (type, external)
    private
    public :: narrow_resonances_type
 
-   !> Most elements of a train whose modes are computed.
-   integer, parameter :: most_elements = 64
-   !> Width of a resonance that its points show, over its half width [1].
-   real(dp), parameter :: shown = 4
-   !> Distance from the cubic at which a step is refused, over `curve_limit` [1].
-   real(dp), parameter :: off_cubic = 5
+   !> Most elements of a train whose modes are computed; parts of a path between whose ends the modes are known, and most steps of
+   !> the secant.
+   integer, parameter :: most_elements = 64, parts = 32, most_steps = 12
+   !> Width of a resonance that its points show, over its half width; accuracy of its place, over its half width [1].
+   real(dp), parameter :: shown = 4, accuracy = 0.1_dp
+   !> Least damping ratio [1]: no step is made shorter than the resonance of such a mode.
+   real(dp), parameter :: least_ratio = 1e-6_dp
 
    type :: narrow_resonances_type
-      private
-      !> Natural frequency over the characteristic frequency and damping ratio, by the diagonal of the modal damping matrix [1],
-      !> (mode).
-      real(dp), allocatable :: frequency(:), ratio(:)
+      !> Number of modes looked at, 0 of a large train; -1: not known yet.
+      integer :: modes = -1
+      !> Natural frequency over the characteristic frequency and damping ratio [1], (mode, value), where the parameter has the
+      !> values, (value); over Lambda there is one.
+      real(dp), allocatable, private :: frequency(:, :), ratio(:, :), value(:)
    contains
-      procedure :: find
-      procedure :: hide
+      procedure :: setup
+      procedure :: locate
    end type narrow_resonances_type
 
 contains
 
-   !> Finds the modes of a train at rest, each mesh with its mean stiffness; of a large train none.
-   subroutine find(self, system)
+   !> Finds the modes, each mesh with its mean stiffness.
+   subroutine setup(self, balance)
       class(narrow_resonances_type), intent(inout) :: self
+      !> The balance of the branch.
+      type(balance_type), intent(in) :: balance
+      type(system_type) :: system
+      integer :: k
+
+      self%modes = 0
+      if (balance%system%elements > most_elements) return
+      self%modes = balance%system%displacements
+      self%value = [0.0_dp]
+      if (allocated(balance%path)) self%value = balance%path%low + (balance%path%high - balance%path%low)*[(k, k=0, parts)]/parts
+      allocate (self%frequency(self%modes, size(self%value)), self%ratio(self%modes, size(self%value)))
+      if (.not. allocated(balance%path)) then
+         call find_modes(balance%system, self%frequency(:, 1), self%ratio(:, 1))
+         return
+      end if
+      do k = 1, size(self%value)
+         call balance%path%system_at(self%value(k), system)
+         call find_modes(system, self%frequency(:, k), self%ratio(:, k))
+      end do
+   end subroutine setup
+
+   !> Finds the resonance of a mode and a harmonic within a step; `found` only if it is narrower than the step.
+   subroutine locate(self, balance, mode, harmonic, ends, at, half_width, found)
+      class(narrow_resonances_type), intent(in) :: self
+      type(balance_type), intent(in) :: balance
+      !> Numbers of the mode and of the harmonic of Lambda/eta.
+      integer, intent(in) :: mode, harmonic
+      !> Lambda, or the parameter, at both ends of the step.
+      real(dp), intent(in) :: ends(2)
+      !> Place and half width of the resonance.
+      real(dp), intent(out) :: at, half_width
+      !> There is one within the step, and it is narrower.
+      logical, intent(out) :: found
+      type(system_type) :: system
+      real(dp), dimension(self%modes) :: frequency, ratio
+      real(dp) :: x(2), y(2), resonant, slope
+      integer :: i, last, side
+
+      if (.not. allocated(balance%path)) then
+         at = balance%eta*self%frequency(mode, 1)/harmonic
+         half_width = self%ratio(mode, 1)*at
+         found = is_within()
+         return
+      end if
+      resonant = balance%path%frequency_ratio*harmonic/balance%eta
+      x = ends
+      y = [(at_value(ends(i)) - resonant, i=1, 2)]
+      found = (y(1) < 0) .neqv. (y(2) < 0)
+      if (.not. found) return
+      slope = abs(y(2) - y(1))/abs(x(2) - x(1))
+      last = 0
+      do i = 1, most_steps
+         at = x(1) - y(1)*(x(2) - x(1))/(y(2) - y(1))
+         call balance%path%system_at(at, system)
+         call find_modes(system, frequency, ratio)
+         half_width = ratio(mode)*resonant/slope
+         found = is_within()
+         if (.not. found .or. abs(frequency(mode) - resonant) <= accuracy*ratio(mode)*resonant) return
+         ! The other end counts by half where this one moves again (Illinois).
+         side = merge(1, 2, (frequency(mode) < resonant) .eqv. (y(1) < 0))
+         x(side) = at
+         y(side) = frequency(mode) - resonant
+         if (side == last) y(3 - side) = y(3 - side)/2
+         last = side
+      end do
+
+   contains
+
+      !> Whether the resonance is within the step and narrower.
+      pure logical function is_within()
+         is_within = at > minval(ends) .and. at < maxval(ends) .and. abs(ends(2) - ends(1)) > shown*half_width
+      end function is_within
+
+      !> Natural frequency at a value of the parameter, about.
+      pure real(dp) function at_value(value)
+         real(dp), intent(in) :: value
+         integer :: k
+
+         k = max(1, min(count(self%value <= value), size(self%value) - 1))
+         associate (v => self%value(k:k + 1), f => self%frequency(mode, k:k + 1))
+            at_value = f(1) + (value - v(1))*(f(2) - f(1))/(v(2) - v(1))
+         end associate
+      end function at_value
+
+   end subroutine locate
+
+   !> Natural frequencies over the characteristic frequency, ascending, 0 where LAPACK does not converge, and damping ratios by the
+   !> diagonal of the modal damping matrix, at least `least_ratio` [1].
+   subroutine find_modes(system, frequency, ratio)
       type(system_type), intent(in) :: system
-      real(dp) :: square(system%displacements), vector(system%elements, system%displacements)
+      !> By mode.
+      real(dp), intent(out) :: frequency(:), ratio(:)
+      real(dp) :: vector(system%elements, size(frequency))
       integer :: i, info
 
-      self%frequency = [real(dp) ::]
-      self%ratio = [real(dp) ::]
-      if (system%elements > most_elements) return
-      call eigenvalues_of(system, stiffness_at_rest(system), square, info, vector)
-      if (info /= 0) return
-      self%frequency = sqrt(max(square, 0.0_dp))
+      call eigenvalues_of(system, stiffness_at_rest(system), frequency, info, vector)
+      frequency = merge(sqrt(max(frequency, 0.0_dp)), 0.0_dp, info == 0)
       ! The squares of an eigenvector are the shares of the elements in the strain energy.
-      self%ratio = [(self%frequency(i)/2*sum(vector(:, i)**2*system%damping), i=1, size(square))]
-   end subroutine find
-
-   !> Whether the branch is off the cubic through the ends of a step without a fold at a resonance between them.
-   logical function hide(self, corrector, here, next)
-      class(narrow_resonances_type), intent(in) :: self
-      type(corrector_type), intent(inout) :: corrector
-      !> The ends, with their tangents.
-      type(solution_point_type), intent(in) :: here, next
-      real(dp) :: at, amplitude, low, high, length, limit
-      type(solution_point_type) :: guess, solution
-      integer :: h, n
-      logical :: success
-
-      hide = .false.
-      if (.not. allocated(self%frequency) .or. .not. carries_same(here, next)) return
-      low = min(here%frequency_ratio, next%frequency_ratio)
-      high = max(here%frequency_ratio, next%frequency_ratio)
-      limit = off_cubic*curve_limit(corrector, next)
-      length = arc_length(here, next, corrector%units)
-      do h = 1, size(next%harmonic)
-         do n = 1, size(self%frequency)
-            at = corrector%balance%eta*self%frequency(n)/next%harmonic(h)
-            if (.not. (at > low .and. at < high .and. high - low > shown*self%ratio(n)*at)) cycle
-            amplitude = min(norm2(here%u(2*h:2*h + 1, :))*abs(1 - (here%frequency_ratio/at)**2), &
-                            norm2(next%u(2*h:2*h + 1, :))*abs(1 - (next%frequency_ratio/at)**2))
-            if (amplitude <= 2*self%ratio(n)*limit*corrector%units%length) cycle
-            guess = here
-            call go_along(here, next, share_at([here%frequency_ratio, next%frequency_ratio], &
-                                               [here%tangent_frequency, next%tangent_frequency]*length, at), &
-                          corrector%units, guess)
-            guess%frequency_ratio = at
-            solution = guess
-            call corrector%solve_at(solution, success)
-            hide = .not. success
-            if (success) hide = corrector%length_of(solution%u - guess%u) > limit
-            if (hide) return
-         end do
-      end do
-   end function hide
+      ratio = [(max(least_ratio, frequency(i)/2*sum(vector(:, i)**2*system%damping)), i=1, size(frequency))]
+   end subroutine find_modes
 
 end module geartrain_trace_narrow_resonances

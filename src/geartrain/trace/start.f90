@@ -95,7 +95,6 @@ contains
          tracer%amplitude_limit = linear_amplitude_limit*largest
       end if
       tracer%estimate%resonance = natural_frequency_ranges(tracer%system, resonance_ratio)
-      if (.not. allocated(tracer%corrector%balance%path)) call tracer%resonances%find(tracer%system)
       tracer%chooses_sets = settings%harmonics == 0 .and. has_sparse_motions(tracer%system, settings%subharmonic, &
                                                                           tracer%settings%repeats)
       if (tracer%chooses_sets) then

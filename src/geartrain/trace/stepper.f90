@@ -1,5 +1,6 @@
 !> Steps along a branch, from a solution point to the next, and the points recorded: what a trace is made of.
 module geartrain_trace_stepper
+   use geartrain_balance_tail_harmonics, only: tail_harmonics
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_words, only: operator(//)
@@ -11,7 +12,8 @@ module geartrain_trace_stepper
    use geartrain_trace_recorder, only: recorder_type
    use geartrain_trace_step_extremes, only: cut_at_extreme, quantities_type
    use geartrain_trace_step_geometry, only: arc_length, cosine, cosine_limit, go_along, hides_folds
-   use geartrain_trace_step_length, only: acceptable, crosses_branch, curve_error, jump_step, next_step, predict
+   use geartrain_trace_step_length, only: acceptable, carries_same, crosses_branch, curve_error, curve_limit, jump_step, &
+      next_step, predict
    implicit none (type, external)
    private
    public :: stepper_type
@@ -21,6 +23,8 @@ module geartrain_trace_stepper
    !> Number of steps one after another whose end is not found with the harmonics that the tolerance needs, after which ends are
    !> kept with fewer, as points that miss the tolerance, until more are found again.
    integer, parameter :: most_refusals = 3
+   !> Distance from the cubic through the ends of a step at which it passes a resonance unseen, over the limit of a cubic [1].
+   real(dp), parameter :: off_cubic = 5
    !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
    real(dp), parameter :: named_from = 3
 
@@ -43,7 +47,7 @@ module geartrain_trace_stepper
       type(quantities_type) :: quantities
       integer, private :: read_at = -1
    contains
-      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at, adapt_end, tell_missed
+      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at, adapt_end, passes_resonance, tell_missed
    end type stepper_type
 
 contains
@@ -229,6 +233,62 @@ contains
       success = self%corrector%length_of(next%u - guess%u) < max(h, 1e-8_dp)
       if (success) call self%corrector%orient(next, merge(1, -1, bound > here%frequency_ratio))
    end subroutine stop_at
+
+   !> Whether a step without a fold passes a resonance narrower than itself, at which the branch is off the cubic through its ends.
+   !> The amplitude of a mode over that at its resonance is the half width over the distance from there, so the ends tell how large
+   !> the motion may be; of a harmonic that they do not carry the error estimate at the resonance tells. Where teeth part a
+   !> resonance is as wide as the branch is bent, and the branch is followed through it.
+   logical function passes_resonance(self, here, next) result(passes)
+      class(stepper_type), intent(inout) :: self
+      !> The ends, with their tangents.
+      type(solution_point_type), intent(in) :: here, next
+      real(dp) :: at, half_width, limit, off
+      type(solution_point_type) :: guess, solution
+      integer, allocatable :: harmonic(:)
+      integer :: before, h, n
+      logical :: found, success
+
+      passes = .false.
+      if (.not. carries_same(here, next)) return
+      associate (c => self%corrector, ends => [here%frequency_ratio, next%frequency_ratio])
+         before = c%evaluations
+         if (self%resonances%modes < 0) call self%resonances%setup(c%balance)
+         harmonic = next%harmonic
+         if (self%settings%harmonics == 0 .and. .not. c%balance%parts()) &
+            harmonic = [harmonic, tail_harmonics(c%balance, next%frequency_ratio)]
+         limit = off_cubic*curve_limit(c, next)
+         do h = 1, size(harmonic)
+            do n = 1, self%resonances%modes
+               call self%resonances%locate(c%balance, n, harmonic(h), ends, at, half_width, found)
+               if (found .and. h <= size(next%harmonic)) &
+                  found = min(norm2(here%u(2*h:2*h + 1, :))*abs(ends(1) - at), norm2(next%u(2*h:2*h + 1, :))*abs(ends(2) - at)) &
+                          > half_width*limit*c%units%length
+               if (.not. found) cycle
+               guess = here
+               call go_along(here, next, share_at(ends, [here%tangent_frequency, next%tangent_frequency] &
+                                                  *arc_length(here, next, c%units), at), c%units, guess)
+               guess%frequency_ratio = at
+               solution = guess
+               call c%solve_at(solution, success)
+               passes = .not. (success .or. c%balance%system%interrupt%raised())
+               if (success) then
+                  off = c%length_of(solution%u - guess%u)
+                  if (h > size(next%harmonic)) then
+                     call self%estimate_error(solution)
+                     off = max(off, self%estimate%limited*norm2(solution%u(2:, :))/c%units%length)
+                  end if
+                  passes = off > limit
+               end if
+               if (passes) return
+            end do
+         end do
+         if (c%evaluations == before) return
+         ! The corrector goes back to the end of the step.
+         solution = next
+         call c%correct(solution, success)
+         passes = .not. (success .or. c%balance%system%interrupt%raised())
+      end associate
+   end function passes_resonance
 
    !> Adds to the reason for the end how many points miss the tolerance; a branch whose points all miss it is not complete. Where a
    !> branch is nearly vertical a small error of Lambda is a large error at constant Lambda, which more harmonics hardly reduce.

@@ -130,6 +130,13 @@ contains
             at_bound = at_bound .and. .not. cut
             closing = closing .and. .not. cut
          end if
+         if (success .and. self%shows .and. sense_of(here, self%corrector%units)*sense_of(next, self%corrector%units) > 0) then
+            if (self%passes_resonance(here, next)) then
+               h = min(h, way)/3
+               closing = .false.
+               cycle
+            end if
+         end if
          call find_crossings(self%corrector, here, next, way, crosses, success, crossings)
          if (success) call self%adapt_end(next, here, origin, at_bound .or. closing, success)
          if (closing .and. .not. success) exit
@@ -172,7 +179,6 @@ contains
             hidden = .false.
             call self%add_changes(here, next, fold, fold_at, before, branch, hidden)
             lost = hidden .and. .not. known .and. size(crossings) == 0
-            if (self%shows .and. .not. (lost .or. fold_at > 0)) lost = self%resonances%hide(self%corrector, here, next)
          end if
          if (lost) then
             branch%points = self%kept(1)
