@@ -124,18 +124,18 @@ contains
             self%curvature = (next%tangent_frequency - here%tangent_frequency)/h
             crosses = crosses_branch(here, next)
          end if
-         if (success .and. .not. (crosses .or. self%vanishes())) then
-            call self%cut_step(here, at_here, next, cut)
-            if (cut) way = way_to(here, next, self%corrector%units)
-            at_bound = at_bound .and. .not. cut
-            closing = closing .and. .not. cut
-         end if
          if (success .and. self%shows .and. sense_of(here, self%corrector%units)*sense_of(next, self%corrector%units) > 0) then
             if (self%passes_resonance(here, next)) then
                h = min(h, way)/3
                closing = .false.
                cycle
             end if
+         end if
+         if (success .and. .not. (crosses .or. self%vanishes())) then
+            call self%cut_step(here, at_here, next, cut)
+            if (cut) way = way_to(here, next, self%corrector%units)
+            at_bound = at_bound .and. .not. cut
+            closing = closing .and. .not. cut
          end if
          call find_crossings(self%corrector, here, next, way, crosses, success, crossings)
          if (success) call self%adapt_end(next, here, origin, at_bound .or. closing, success)
