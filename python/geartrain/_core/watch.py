@@ -76,18 +76,21 @@ def watched(
         Once the work has stopped because its `time_limit` is over.
     """
     progress = quiet()
-    done = threading.Event()
+    # Not an Event: a Ctrl-C amid the Python code of its locks makes an error of the other thread.
+    busy, over = threading.Lock(), False
+    busy.acquire()
     result: Result | None = None
     failure: BaseException | None = None
 
     def run() -> None:
-        nonlocal result, failure
+        nonlocal result, failure, over
         try:
             result = work(progress)
         except BaseException as error:  # noqa: BLE001 (the waiting thread raises it again)
             failure = error
         finally:
-            done.set()
+            over = True
+            busy.release()
 
     thread = threading.Thread(target=run, name=f"geartrain {name}", daemon=True)
     interrupted = late = False
@@ -97,9 +100,9 @@ def watched(
     begin = time.monotonic()
     try:
         thread.start()
-        while not done.is_set():
+        while not over:
             try:
-                done.wait(_TICK)
+                busy.acquire(timeout=_TICK)
                 if time.monotonic() > _end.get():
                     late, progress[0] = True, 1.0
                 if stops and not interrupted:
