@@ -44,8 +44,8 @@ contains
       logical, intent(in) :: counts(:)
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      real(dp) :: before
       character(:), allocatable :: place
+      logical :: there(size(at))
       integer :: i, j
 
       if (.not. allocated(self%low)) then
@@ -53,25 +53,27 @@ contains
          allocate (self%at_low(size(mean, 1)), self%at_high(size(mean, 1)))
          allocate (self%known(size(mean, 1)), source=.false.)
       end if
-      do j = 1, size(at)
-         if (.not. counts(j)) cycle
-         do i = 1, size(mean, 1)
-            ! A shaft without a torque has NaN.
-            if (.not. (low(i, j) <= high(i, j))) cycle
-            before = max(abs(self%low(i)), abs(self%high(i)))
-            if (.not. self%known(i) .or. max(abs(low(i, j)), abs(high(i, j))) > before) self%mean(i) = mean(i, j)
-            if (.not. self%known(i) .or. low(i, j) < self%low(i)) then
-               self%low(i) = low(i, j)
-               call told%with_unit(told%number(at(j)), place)
-               self%at_low(i) = place
-            end if
-            if (.not. self%known(i) .or. high(i, j) > self%high(i)) then
-               self%high(i) = high(i, j)
-               call told%with_unit(told%number(at(j)), place)
-               self%at_high(i) = place
-            end if
-            self%known(i) = .true.
-         end do
+      do i = 1, size(mean, 1)
+         ! A shaft without a torque has NaN.
+         there = counts .and. low(i, :) <= high(i, :)
+         if (.not. any(there)) cycle
+         associate (largest => max(abs(low(i, :)), abs(high(i, :))))
+            j = maxloc(largest, 1, there)
+            if (.not. self%known(i) .or. largest(j) > max(abs(self%low(i)), abs(self%high(i)))) self%mean(i) = mean(i, j)
+         end associate
+         j = minloc(low(i, :), 1, there)
+         if (.not. self%known(i) .or. low(i, j) < self%low(i)) then
+            self%low(i) = low(i, j)
+            call told%with_unit(told%number(at(j)), place)
+            self%at_low(i) = place
+         end if
+         j = maxloc(high(i, :), 1, there)
+         if (.not. self%known(i) .or. high(i, j) > self%high(i)) then
+            self%high(i) = high(i, j)
+            call told%with_unit(told%number(at(j)), place)
+            self%at_high(i) = place
+         end if
+         self%known(i) = .true.
       end do
    end subroutine take
 

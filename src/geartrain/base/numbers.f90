@@ -39,6 +39,7 @@ contains
       real(dp), intent(in) :: value
       character(longest) :: text
       character(longest) :: buffer
+      character(*), parameter :: full(15:17) = ['(es36.14e3)', '(es36.15e3)', '(es36.16e3)']
       character(16) :: form
       real(dp) :: again
       integer :: digits
@@ -51,9 +52,13 @@ contains
       else
          ! 15 digits tell all decimals of 15 digits and fewer apart, but for numbers with less than full precision.
          do digits = merge(1, 15, abs(value) < tiny(value)), 17
-            write (form, '(a, i0, a)') '(es36.', digits - 1, 'e3)'
-            write (buffer, form) value
-            read (buffer, *) again
+            if (digits < 15) then
+               write (form, '(a, i0, a)') '(es36.', digits - 1, 'e3)'
+               write (buffer, form) value
+            else
+               write (buffer, full(digits)) value
+            end if
+            read (buffer, '(f36.0)') again
             if (abs(again - value) <= 0) exit
          end do
          text = plain(trim(adjustl(buffer)))
@@ -74,16 +79,14 @@ contains
       character(*), intent(in) :: scientific
       character(longest) :: text
       character(:), allocatable :: digits, sign
-      integer :: at_exponent, exponent, i
+      integer :: at_exponent, exponent, first
 
       sign = ''
       if (scientific(1:1) == '-') sign = '-'
       at_exponent = index(scientific, 'E')
-      read (scientific(at_exponent + 1:), *) exponent
-      digits = ''
-      do i = 1, at_exponent - 1
-         if (scan(scientific(i:i), '0123456789') == 1) digits = digits//scientific(i:i)
-      end do
+      read (scientific(at_exponent + 1:), '(i8)') exponent
+      first = len(sign) + 1
+      digits = scientific(first:first)//scientific(first + 2:at_exponent - 1)
       digits = digits(:max(1, verify(digits, '0', back=.true.)))
       if (exponent >= 6 .or. exponent < -4) then
          if (len(digits) == 1) digits = digits//'0'
