@@ -66,7 +66,7 @@ def force_unit(train: Description | None) -> str:
 
 
 def force_words(train: Description | None) -> str:
-    """What the force of meshes is called, after which those of couplings and bearings stand."""
+    """What the forces of meshes are called, beside which couplings and bearings stand."""
     if train is None or (train.meshes and not train.bearings):
         return "mesh force"
     there = (train.meshes, "mesh"), (not train.meshes and train.couplings, "coupling"), (train.bearings, "bearing")

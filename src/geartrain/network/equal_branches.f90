@@ -160,7 +160,7 @@ contains
          end do
          if (done) exit
       end do
-      ! The least number of a piece is that of its first member.
+      ! The first member of a piece has the number of the piece.
       pieces = 0
       do i = 1, size(piece)
          if (piece(i) == 0) cycle

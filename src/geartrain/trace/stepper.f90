@@ -235,9 +235,9 @@ contains
    end subroutine stop_at
 
    !> Whether a step without a fold passes a resonance narrower than itself, at which the branch is off the cubic through its ends.
-   !> The amplitude of a mode over that at its resonance is the half width over the distance from there, so the ends tell how large
-   !> the motion may be; of a harmonic that they do not carry the error estimate at the resonance tells. Where teeth part a
-   !> resonance is as wide as the branch is bent, and the branch is followed through it.
+   !> The amplitude of a mode over its amplitude in resonance is the half width over the distance from there. So the ends bound the
+   !> motion in between, but for harmonics that they do not carry, whose size follows from the error estimate at the resonance.
+   !> Where teeth part a resonance is as wide as the branch is bent, and the branch is followed through it.
    logical function passes_resonance(self, here, next) result(passes)
       class(stepper_type), intent(inout) :: self
       !> The ends, with their tangents.
