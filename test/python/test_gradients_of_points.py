@@ -12,7 +12,7 @@ from random_trains import random_train
 
 import geartrain as gt
 
-#: Steps of the differences, relative, and Lambda's noise as a branch lists it, relative.
+#: Steps of the differences, relative, the first twice the second, and Lambda's least noise as a branch lists it, relative.
 STEPS, NOISE = (2e-5, 1e-5), 1e-10
 
 
@@ -48,7 +48,10 @@ def compare(respond, name, value, kinds=("fold", "period doubling", "neimark-sac
             continue
         at = dict(zip(sides, [other.frequency for other in others]))
         wide, narrow = ((at[step] - at[-step]) / (2 * step * value) for step in steps)
-        error = abs(wide - narrow) + noise * point.frequency / (min(steps) * value)
+        # The fourth difference of five equally spaced places holds next to nothing but what their location is uncertain by.
+        ends, beside = (sum(at[sign * step] for sign in (1, -1)) for step in steps)
+        uncertain = max(noise * point.frequency, abs(ends - 4 * beside + 6 * point.frequency))
+        error = abs(wide - narrow) + uncertain / (min(steps) * value)
         np.testing.assert_allclose(found, (4 * narrow - wide) / 3, rtol=1e-6, atol=error,
                                    err_msg=f"{point.kind} at {point.frequency}")
         agreed += 1
