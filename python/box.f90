@@ -1,6 +1,6 @@
 !> What a Python call carries over the border: a case and fields in, fields out.
 module geartrain_python_box
-   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_char, c_null_ptr
+   use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr
    use, intrinsic :: iso_fortran_env, only: int64, real64
    use geartrain, only: audit_text, audit_type, case_text, case_type, error_type, exact_point_type, gradient_type, &
       locate_contact_edges, motion_type, onsets_of, results_type, special_point_type, status_input, version
@@ -11,11 +11,10 @@ module geartrain_python_box
    use geartrain_balance_planet_orbits, only: number_orbits
    use geartrain_base_error, only: fatal, status_memory
    use geartrain_base_carry, only: carry
-   use geartrain_base_field, only: field_type, text_type, values_type
+   use geartrain_base_field, only: field_type, values_type
    use geartrain_base_fields, only: fields_type, reading
    use geartrain_base_kinds, only: dp
    use geartrain_base_memory, only: can_begin, need
-   use geartrain_base_numbers, only: integer_text
    use geartrain_exact_exact_fields, only: visit_exact_point, visit_onsets
    use geartrain_readings_summary_fields, only: visit_bands, visit_jumps, visit_peaks, visit_ranges
    use geartrain_flow_motion_fields, only: visit_motions
@@ -31,13 +30,14 @@ module geartrain_python_box
    use geartrain_train_labels, only: body_labels, mesh_labels, shaft_labels
    use geartrain_network_parameter_path, only: give_variation
    use geartrain_train_train, only: train_type
+   use geartrain_python_field_text, only: list_fields
    use geartrain_python_taker, only: taker_type
    use geartrain_run_reference, only: list_results
    use geartrain_report_case_report, only: report_text
    use geartrain_run_results, only: results_bytes, take_results, visit_results
    implicit none (type, external)
    private
-   public :: ask, box_of, box_type, check_memory, close_with, field_at, get_text, handle_of, joined, new_field, parted, show, take
+   public :: ask, box_of, box_type, check_memory, close_with, field_at, get_text, handle_of, new_field, show, take
 
    !> One call's data; Python knows it by a handle.
    type :: box_type
@@ -153,48 +153,6 @@ contains
       end select
    end subroutine get_text
 
-   !> A line for each field: path, name, kind, length of its texts, extents, dimensions, unit, description.
-   subroutine list_fields(fields, text)
-      type(fields_type), intent(in) :: fields
-      character(:), allocatable, intent(out) :: text
-      character, parameter :: tab = achar(9)
-      character(:), allocatable :: list, longer, values
-      integer :: used, i, j, k
-
-      allocate (character(4096) :: list)
-      used = 0
-      do i = 1, fields%count
-         do j = 1, fields%groups(i)%count
-            associate (field => fields%groups(i)%fields(j))
-               values = ''
-               if (allocated(field%texts)) call joined(field%texts, values)
-               call add(fields%groups(i)%path//tab//trim(field%about%name)//tab//field%kind//tab//integer_text(len(values))//tab)
-               do k = 1, size(field%extents)
-                  call add(' '//integer_text(field%extents(k)))
-               end do
-               call add(tab//trim(field%about%dimensions)//tab//trim(field%about%unit)//tab//trim(field%about%description) &
-                        //new_line('a'))
-            end associate
-         end do
-      end do
-      text = list(:used)
-
-   contains
-
-      subroutine add(piece)
-         character(*), intent(in) :: piece
-
-         if (used + len(piece) > len(list)) then
-            allocate (character(2*(used + len(piece))) :: longer)
-            longer(:used) = list(:used)
-            call move_alloc(longer, list)
-         end if
-         list(used + 1:used + len(piece)) = piece
-         used = used + len(piece)
-      end subroutine add
-
-   end subroutine list_fields
-
    !> Makes fields of what the box holds, see `show_fields`.
    subroutine show(box, what, error)
       type(box_type), intent(inout) :: box
@@ -211,7 +169,8 @@ contains
          select case (what)
          case ('results')
             ! The fields, Python's arrays of them, and one on its way.
-            call need(3.0_real64*results_bytes(box%results, box%case), 'no memory for the results', 'compute fewer', error)
+            if (.not. is_small(box%results)) &
+               call need(3.0_real64*results_bytes(box%results, box%case), 'no memory for the results', 'compute fewer', error)
             if (allocated(error)) return
             call visit_results(box%results, box%case, fields, summary=.false.)
          case ('listing')
@@ -271,6 +230,22 @@ contains
          end select
       end associate
    end subroutine show
+
+   !> Whether the results are one branch that is small beside the memory that is kept free: to measure it would take as long as to
+   !> show it.
+   pure logical function is_small(results)
+      type(results_type), intent(in) :: results
+      integer, parameter :: few = 100000
+
+      associate (r => results)
+         is_small = allocated(r%response) .and. .not. &
+                    (allocated(r%branches) .or. allocated(r%modes) .or. allocated(r%integration) .or. allocated(r%attractors) .or. &
+                     allocated(r%basins) .or. allocated(r%bifurcation_diagram) .or. allocated(r%stability_map) .or. &
+                     allocated(r%run_up) .or. allocated(r%locus))
+      end associate
+      if (is_small) is_small = allocated(results%response%coefficients)
+      if (is_small) is_small = size(results%response%coefficients) < few
+   end function is_small
 
    !> Shows the symmetric planetary sets: of each mesh its planet and whether it is the first or second mesh of the planet, 0 for
    !> other meshes, and the shift in time that goes with a turn by one planet [rad of Lambda].
@@ -404,34 +379,5 @@ contains
       if (status /= 0) return
       field => box%fields%groups(i)%fields(box%fields%groups(i)%count)
    end function new_field
-
-   !> Texts one after another, each closed by a null.
-   subroutine joined(texts, text)
-      type(text_type), intent(in) :: texts(:)
-      character(:), allocatable, intent(out) :: text
-      integer :: i, at
-
-      allocate (character(sum([(len(texts(i)%text) + 1, i=1, size(texts))])) :: text)
-      at = 0
-      do i = 1, size(texts)
-         text(at + 1:at + len(texts(i)%text) + 1) = texts(i)%text//c_null_char
-         at = at + len(texts(i)%text) + 1
-      end do
-   end subroutine joined
-
-   !> The inverse of `joined`.
-   subroutine parted(text, texts)
-      character(*), intent(in) :: text
-      type(text_type), intent(inout) :: texts(:)
-      integer :: i, first, length
-
-      first = 1
-      do i = 1, size(texts)
-         length = index(text(first:), c_null_char) - 1
-         if (length < 0) length = len(text) - first + 1
-         texts(i)%text = text(first:first + length - 1)
-         first = min(len(text) + 1, first + length + 1)
-      end do
-   end subroutine parted
 
 end module geartrain_python_box

@@ -32,7 +32,9 @@ subroutine open_copy(other, handle)
    handle = 0
    from => box_of(other)
    if (.not. can_begin()) return
-   if (.not. has_room(results_bytes(from%results, from%case))) return
+   if (allocated(from%results%response)) then
+      if (.not. has_room(results_bytes(from%results, from%case))) return
+   end if
    allocate (box)
    box%case = from%case
    if (allocated(from%results%response)) box%results%response = from%results%response

@@ -78,7 +78,8 @@ end subroutine copy_integers
 ! Texts, each closed by a null.
 subroutine copy_texts(handle, line, bytes, values)
    use geartrain_base_field, only: values_type
-   use geartrain_python_box, only: box_of, field_at, joined
+   use geartrain_python_box, only: box_of, field_at
+   use geartrain_python_field_text, only: joined
    implicit none
    integer(8), intent(in) :: handle
    integer, intent(in) :: line, bytes
@@ -125,7 +126,8 @@ end subroutine put_integers
 ! Texts, each closed by a null.
 subroutine put_texts(handle, path, name, rank, extents, values, bytes)
    use geartrain_base_field, only: kind_text, values_type
-   use geartrain_python_box, only: box_of, new_field, parted
+   use geartrain_python_box, only: box_of, new_field
+   use geartrain_python_field_text, only: parted
    implicit none
    integer(8), intent(in) :: handle
    character(*), intent(in) :: path, name

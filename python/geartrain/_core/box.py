@@ -124,6 +124,9 @@ class Box:
         self._of_call = text is not None or copy is not None
         self._put = ""
         self._results: dict[str, Group] | None = None
+        # A copy keeps the train of the other box, whose sizes are found once.
+        self._copied = copy
+        self._sizes: tuple[int, int] | None = None
         if text is None:
             return
         try:
@@ -186,7 +189,7 @@ class Box:
         groups: dict[str, Group] = {}
         for line, row in enumerate(self.text("fields").split("\n")[:-1], 1):
             path, name, kind, size, extents, dimensions, unit, description = row.split("\t")
-            group = groups.setdefault(path, Group())
+            group = groups.get(path) or groups.setdefault(path, Group())
             names = tuple(dimensions.split())
             values = self._values(line, kind, int(size), tuple(map(int, extents.split()))[::-1])
             if not names:
@@ -293,8 +296,12 @@ class Box:
 
     def sizes(self) -> tuple[int, int]:
         """Meshes of the case's train, and the size of its states."""
-        meshes, states = map(int, fortran.train_sizes(self._handle))
-        return meshes, states
+        if self._copied is not None:
+            return self._copied.sizes()
+        if self._sizes is None:
+            meshes, states = map(int, fortran.train_sizes(self._handle))
+            self._sizes = meshes, states
+        return self._sizes
 
     def write(self, path: str | os.PathLike[str]) -> None:
         """Write the results as a file."""

@@ -6,7 +6,7 @@ import os
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from numbers import Integral, Real
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -406,7 +406,7 @@ class Branch(Curves):
 
     def arrays(self) -> dict[str, NDArray[Any] | None]:
         """The fields of the points by their names in the results file; None for what there is not."""
-        return {name: getattr(self, name) for name in (*_of_points(), *self.others)}
+        return {name: getattr(self, name) for name in (*_names()[1], *self.others)}
 
     def _box(self) -> Box:
         """A box of the branch, which may be changed; the case is read and the fields are put but once."""
@@ -479,12 +479,12 @@ class Branch(Curves):
             for kind, value, point, undecided, rms, correction, multiplicity in
             rows.rows("kind", "parameter" if over else "frequency", "after_point", "undecided", "rms", "correction", "multiplicity")
         ), train)
-        known = {item.name for item in fields(cls)}
+        known, of_points = _names()
         # Axes, and what follows from other fields or the train, are no fields of their own; an attribute may have an array's name.
         arrays = {name: values for name, values in group.arrays.items()
                   if group.about[name][0] != (name,) and not (name in _DERIVED or name.endswith("_label"))}
         told = {name: value for name, value in group.attributes.items() if name in known - arrays.keys()}
-        found: dict[str, Any] = {**dict.fromkeys(_of_points()), **told, **arrays}
+        found: dict[str, Any] = {**dict.fromkeys(of_points), **told, **arrays}
         others = {name: found.pop(name) for name in arrays if name not in known}
         settings = _settings_for(settings, found["subharmonic"], (found["coefficients"].shape[-1] - 1) // 2)
         branch = cls(**found, special_points=specials, settings=settings, train=train, others=others)
@@ -499,9 +499,11 @@ class Branch(Curves):
         return [branch for place in places if (branch := cls._from(box, train, settings, place)) is not None]
 
 
-def _of_points() -> list[str]:
-    """Fields that a branch has of each point."""
-    return [item.name for item in fields(Branch) if item.name in described()["/response"].about]
+@cache
+def _names() -> tuple[frozenset[str], tuple[str, ...]]:
+    """Fields of a branch; those that it has of each point."""
+    known = [item.name for item in fields(Branch)]
+    return frozenset(known), tuple(name for name in known if name in described()["/response"].about)
 
 
 def _settings_for(settings: Mapping[str, Any], period: int, harmonics: int) -> dict[str, Any]:

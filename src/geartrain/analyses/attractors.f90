@@ -25,6 +25,7 @@ module geartrain_analyses_attractors
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_settling, only: need_to_settle, settle
    use geartrain_flow_start_state, only: random_state
+   use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency, check_harmonics
@@ -147,15 +148,17 @@ contains
       type(train_type), intent(in) :: train
       logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
+      type(train_type) :: plain
 
       associate (settings => self%settings)
          if (checker%problems%in_group('attractors')) return
          call checker%enter('attractors', 1)
          call check_unit(train, settings%unit, checker)
-         call check_frequency(train, ['frequency'], [settings%frequency], checker, settings%unit)
+         call plain_train(train, plain)
+         call check_frequency(plain, ['frequency'], [settings%frequency], checker, settings%unit)
          if (settings%follow .and. has_friction(train)) call checker%complain('follow', '.true.', 'must be .false. for a train &
             &with friction_torque: begin a response with a motion found here')
-         if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+         if (settings%harmonics > 0) call check_harmonics(plain, settings%harmonics, 1, most_harmonics, checker)
          call check_long_period(train, 'attractors', 'every start flies over many periods', settings%long_period, checker)
          call checker%leave()
       end associate

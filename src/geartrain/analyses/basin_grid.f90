@@ -8,6 +8,7 @@ module geartrain_analyses_basin_grid
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, text
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_drawing_drawing, only: plain_train
    use geartrain_flow_motion_fields, only: visit_motions
    use geartrain_network_frequency_unit, only: check_unit, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency
@@ -116,11 +117,13 @@ contains
       type(basins_settings_type), intent(in) :: settings
       !> Collects the problems; nothing is checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
+      type(train_type) :: plain
 
       if (checker%problems%in_group('basins')) return
       call checker%enter('basins', 1)
       call check_unit(train, settings%unit, checker)
-      call check_frequency(train, ['frequency'], [settings%frequency], checker, settings%unit)
+      call plain_train(train, plain)
+      call check_frequency(plain, ['frequency'], [settings%frequency], checker, settings%unit)
       call check_range('displacement', settings%displacement_start, settings%displacement_stop, settings%displacement_points)
       call check_range('velocity', settings%velocity_start, settings%velocity_stop, settings%velocity_points)
       call check_long_period(train, 'basins', 'every start flies over many periods', settings%long_period, checker)

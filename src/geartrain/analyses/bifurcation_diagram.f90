@@ -18,6 +18,7 @@ module geartrain_analyses_bifurcation_diagram
    use geartrain_flow_motion_fields, only: about_frequency, about_mesh
    use geartrain_flow_long_run, only: find_long_run
    use geartrain_flow_start_state, only: resting_state, state_of
+   use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_limits, only: check_frequency
    use geartrain_network_long_period, only: check_long_period, visit_long_period
@@ -121,6 +122,7 @@ contains
       logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
       logical :: at_one
+      type(train_type) :: plain
 
       associate (settings => self%settings)
          if (checker%problems%in_group('bifurcation_diagram')) return
@@ -131,7 +133,8 @@ contains
          if (.not. at_one .and. settings%points == 1) call checker%complain('points', '1', &
             'must be 2 or more, as "from" and "to" differ')
          call check_unit(train, settings%unit, checker)
-         call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
+         call plain_train(train, plain)
+         call check_frequency(plain, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
          call check_long_period(train, 'bifurcation_diagram', 'every section is a period later', settings%long_period, checker)
          call checker%leave()
       end associate

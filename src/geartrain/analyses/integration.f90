@@ -21,6 +21,7 @@ module geartrain_analyses_integration
    use geartrain_flow_orbit, only: stored_harmonics
    use geartrain_flow_window, only: goes_by_windows, window_of
    use geartrain_flow_start_state, only: resting_state, state_of
+   use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_check_train, only: check_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, visit_unit
    use geartrain_network_limits, only: check_frequency, check_harmonics
@@ -119,6 +120,7 @@ contains
       type(train_type), intent(in) :: train
       logical, intent(in) :: seeded
       class(checker_type), intent(inout) :: checker
+      type(train_type) :: plain
 
       associate (settings => self%settings)
          if (checker%problems%in_group('integration')) return
@@ -126,8 +128,9 @@ contains
          if (abs(settings%start - settings%stop) <= 0 .and. settings%points /= 1) &
             call checker%complain('points', integer_text(settings%points), 'must be 1 where "from" and "to" are equal')
          call check_unit(train, settings%unit, checker)
-         call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
-         if (settings%harmonics > 0) call check_harmonics(train, settings%harmonics, 1, most_harmonics, checker)
+         call plain_train(train, plain)
+         call check_frequency(plain, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
+         if (settings%harmonics > 0) call check_harmonics(plain, settings%harmonics, 1, most_harmonics, checker)
          call checker%leave()
       end associate
    end subroutine check
@@ -289,11 +292,13 @@ contains
       type(error_type), allocatable, intent(inout) :: error
       type(integration_settings_type) :: single
       type(checker_type) :: checker
+      type(train_type) :: plain
 
       if (.not. (frequency_ratio > 0 .and. frequency_ratio <= huge(1.0_dp))) then
          call checker%complain('frequency', real_text(frequency_ratio), 'must be a finite number > 0')
       else
-         call check_frequency(train, ['frequency'], [frequency_ratio], checker)
+         call plain_train(train, plain)
+         call check_frequency(plain, ['frequency'], [frequency_ratio], checker)
       end if
       call checker%problems%raise('', error)
       if (allocated(error)) return

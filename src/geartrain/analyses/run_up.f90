@@ -112,7 +112,7 @@ contains
          start = factor*settings%start
          stop = factor*settings%stop
          call check_unit(train, settings%unit, checker)
-         call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
+         call check_frequency(plain, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
          if (checker%problems%in_group('run_up')) return
          ! A mean period of the fundamental [s], which may be minutes long, and its windows.
          period = 2*pi/((start + stop)/2*plain%characteristic_frequency)

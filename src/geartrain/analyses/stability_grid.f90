@@ -155,11 +155,12 @@ contains
          call checker%complain('parameter_points', integer_text(settings%parameter_points), &
                                'must be 1 where "parameter_from" and "parameter_to" are equal, and only there')
       call check_unit(train, settings%unit, checker)
-      call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
-      call check_common_period(train, 'stability_map', checker, within)
+      call plain_train(train, plain)
+      call check_frequency(plain, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
+      call check_common_period(plain, 'stability_map', checker, within)
       if (within) call check_long_period(train, 'stability_map', 'every point takes multipliers over a period', &
                                          settings%long_period, checker)
-      if (within .and. .not. settings%linear) call check_harmonics(train, settings%harmonics, 1, highest_chosen, checker)
+      if (within .and. .not. settings%linear) call check_harmonics(plain, settings%harmonics, 1, highest_chosen, checker)
       if (settings%parameter == '') call checker%complain('parameter', "''", "must be given, as in 'stiffness_variation'")
       if (settings%linear .and. allocated(train%meshes)) then
          if (.not. moves_linear_train(train, settings%parameter)) &
@@ -167,7 +168,6 @@ contains
                                   'has no influence on the stability of the linear train: leave out linear = .true.')
       end if
       if (settings%parameter == 'stiffness_variation' .and. allocated(train%meshes)) then
-         call plain_train(train, plain)
          if (.not. largest_variation(plain%meshes) > 0 .and. .not. checker%problems%in_group('mesh')) &
             call checker%complain('parameter', "'"//trim(settings%parameter)//"'", &
                                   'needs a mesh with stiffness_cos or stiffness_sin, which give the shape that is scaled')

@@ -61,6 +61,7 @@ module geartrain_balance_bordered_system
       procedure :: linearize
       procedure :: factor
       procedure :: difference_signs
+      procedure :: keeps
       procedure :: solve
       procedure :: solve_border
       procedure :: solves_in_time
@@ -107,8 +108,18 @@ contains
       self%column = balance%d_frequency
    end subroutine linearize
 
+   !> Whether `factor` keeps the matrix, so that `difference_signs` may wait until they are needed: they cost as much as a step of
+   !> Newton's method. So they may where there are none.
+   pure logical function keeps(self, fixed)
+      class(bordered_system_type), intent(in) :: self
+      !> Which equal branches move equally.
+      type(fixed_space_type), intent(in) :: fixed
+
+      keeps = fixed%is_whole() .or. fixed%joins() .and. .not. self%flows
+   end function keeps
+
    !> Signs of the determinants of the parts of a fixed space, of the explicit harmonics, as bits; to be called between
-   !> `linearize` and `factor`.
+   !> `linearize` and `factor`, or after `factor` where that `keeps` the matrix.
    integer function difference_signs(self, balance, fixed) result(signs)
       class(bordered_system_type), intent(inout) :: self
       !> Balance as at `linearize`.

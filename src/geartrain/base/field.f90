@@ -80,6 +80,8 @@ module geartrain_base_field
    type :: lengths_type
       character(24), allocatable, private :: name(:)
       integer, allocatable, private :: length(:)
+      !> The first `count` elements are in use.
+      integer, private :: count = 0
    contains
       procedure :: set
       procedure :: of
@@ -96,7 +98,7 @@ contains
 
       length = -1
       if (.not. allocated(self%name)) return
-      i = findloc(self%name, name, 1)
+      i = findloc(self%name(:self%count), name, 1)
       if (i > 0) length = self%length(i)
    end function of
 
@@ -109,14 +111,18 @@ contains
       integer, intent(in) :: length
       integer :: i
 
-      if (.not. allocated(self%name)) allocate (self%name(0), self%length(0))
-      i = findloc(self%name, name, 1)
-      if (i > 0) then
-         self%length(i) = length
-      else
-         self%name = [character(24) :: self%name, name]
-         self%length = [self%length, length]
+      if (.not. allocated(self%name)) allocate (self%name(16), self%length(16))
+      i = findloc(self%name(:self%count), name, 1)
+      if (i == 0) then
+         if (self%count == size(self%name)) then
+            self%name = [self%name, self%name]
+            self%length = [self%length, self%length]
+         end if
+         self%count = self%count + 1
+         i = self%count
+         self%name(i) = name
       end if
+      self%length(i) = length
    end subroutine set
 
    !> Number of the group of this path; 0: none.
@@ -262,7 +268,8 @@ contains
       do i = 1, n - 1
          first = first + index(text(first:), ' ')
       end do
-      next = index(text(first:)//' ', ' ')
+      next = index(text(first:), ' ')
+      if (next == 0) next = len(text) - first + 2
       word = text(first:first + next - 2)
    end function word
 

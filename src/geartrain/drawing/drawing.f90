@@ -141,50 +141,48 @@ contains
       type(mesh_type), intent(in) :: mesh
       !> The mesh; its order is set.
       type(mesh_type), intent(inout) :: plain
-      type(mesh_type) :: derived
       type(gear_pair_type) :: pair
       type(pair_geometry_type) :: geometry
       type(pair_stiffness_type) :: stiffness
       real(dp) :: mean, ratio, smoothing, overlap
       integer :: h
 
-      derived = plain
       ratio = mesh%contact_ratio
       overlap = 0
       if (has_geometry(mesh)) then
          pair = pair_of(mesh)
          call find_geometry(pair, geometry)
-         if (.not. abs(mesh%driving_radius) > 0) derived%driving_radius = geometry%base_radius(1)
-         if (.not. abs(mesh%driven_radius) > 0) derived%driven_radius = geometry%base_radius(2)
-         if (.not. abs(mesh%half_backlash) > 0) derived%half_backlash = geometry%half_backlash
+         if (.not. abs(mesh%driving_radius) > 0) plain%driving_radius = geometry%base_radius(1)
+         if (.not. abs(mesh%driven_radius) > 0) plain%driven_radius = geometry%base_radius(2)
+         if (.not. abs(mesh%half_backlash) > 0) plain%half_backlash = geometry%half_backlash
          if (mesh%contact_ratio > 0) geometry%contact_ratio = mesh%contact_ratio
          ratio = geometry%contact_ratio
          overlap = geometry%overlap_ratio
          if (has_stiffness(mesh)) then
             call find_stiffness(pair, geometry, 0.0_dp, stiffness)
-            derived%stiffness = stiffness%mesh*mesh%face_width
-            derived%light_force = light_load*mesh%face_width/cos(geometry%transverse_angle)
+            plain%stiffness = stiffness%mesh*mesh%face_width
+            plain%light_force = light_load*mesh%face_width/cos(geometry%transverse_angle)
          end if
          if (.not. (is_given(mesh%stiffness_cos) .or. is_given(mesh%stiffness_sin) .or. has_table(mesh))) then
-            derived%stiffness_cos = [(rectangular_wave(h, geometry%contact_ratio, geometry%overlap_ratio), &
-                                      h=1, mesh%stiffness_harmonics)]
-            derived%contact_ratio = 0
+            plain%stiffness_cos = [(rectangular_wave(h, geometry%contact_ratio, geometry%overlap_ratio), &
+                                    h=1, mesh%stiffness_harmonics)]
+            plain%contact_ratio = 0
          end if
       end if
       smoothing = 0
       if (mesh%pitch_error_form == 'steps') smoothing = ratio
-      if (allocated(derived%teeth)) then
-         if (size(derived%teeth) == 2) then
+      if (allocated(plain%teeth)) then
+         if (size(plain%teeth) == 2) then
             do h = 1, 2
-               call make_plain(derived%gear_error(h), max(1.0_dp, derived%teeth(h)), derived%phase, &
-                               middle_of_contact(ratio), smoothing, overlap, derived%stiffness_harmonics, mean)
-               derived%error_mean = derived%error_mean + mean
+               call make_plain(plain%gear_error(h), max(1.0_dp, plain%teeth(h)), plain%phase, &
+                               middle_of_contact(ratio), smoothing, overlap, plain%stiffness_harmonics, mean)
+               plain%error_mean = plain%error_mean + mean
             end do
          end if
-         deallocate (derived%teeth)
+         deallocate (plain%teeth)
       end if
-      derived%backlash = 0
-      call plain_mesh(derived, plain)
+      plain%backlash = 0
+      call plain_mesh(plain)
    end subroutine put_pair
 
    !> Middle of the contact of the first tooth [mesh cycles]: at phase 0 is the middle of the time with the extra tooth pair, in

@@ -7,6 +7,7 @@ module geartrain_flow_motion_fields
    use geartrain_base_field, only: row => field_type
    use geartrain_base_fields, only: fields_type, listing, reading
    use geartrain_base_kinds, only: dp
+   use geartrain_base_numbers, only: integer_text
    use geartrain_flow_bearing_fields, only: bearing_axes, carry_bearings
    use geartrain_flow_load_share_fields, only: about_planet, carry_shares
    use geartrain_flow_torque_fields, only: about_coupling, about_held, carry_torque, coupling_row, loss_row
@@ -286,10 +287,11 @@ contains
       character(16) :: labels(1 + 2*size(orders))
       integer :: i
 
+      if (.not. fields%derives()) return
       labels(1) = 'mean'
       do i = 1, size(orders)
-         write (labels(2*i), '(a, i0)') 'cos ', orders(i)
-         write (labels(2*i + 1), '(a, i0)') 'sin ', orders(i)
+         labels(2*i) = 'cos '//integer_text(orders(i))
+         labels(2*i + 1) = 'sin '//integer_text(orders(i))
       end do
       call fields%text_axis('coefficient', labels, 'order of the coefficient in multiples of Lambda/period')
    end subroutine coefficient_axis

@@ -8,7 +8,8 @@ module geartrain_linalg_fftw
 
    integer(c_int), parameter :: fftw_estimate = 64
 
-   !> Real transforms of one length, planned once, without scaling: `to_samples` sums coefficients, `to_coefficients` sums samples.
+   !> Real transforms of one length, without scaling: `to_samples` sums coefficients, `to_coefficients` sums samples. Each direction
+   !> is planned once, where it is first used: to plan takes FFTW as long as many transforms.
    type :: transform_type
       !> Number of samples; 0: not planned.
       integer :: samples = 0
@@ -78,7 +79,7 @@ module geartrain_linalg_fftw
 
 contains
 
-   !> Plans both directions, unless they are planned already. FFTW's planner has global state, hence the critical section.
+   !> Sets the number of samples, unless it is that already. FFTW's planner has global state, hence the critical sections.
    subroutine plan(self, samples)
       class(transform_type), intent(inout) :: self
       !> Number of samples, at least 1.
@@ -90,11 +91,9 @@ contains
       !$omp critical (fftw_planner)
       self%sample_memory = fftw_malloc(int(8, c_size_t)*samples)
       self%coefficient_memory = fftw_malloc(int(16, c_size_t)*(samples/2 + 1))
+      !$omp end critical (fftw_planner)
       call c_f_pointer(self%sample_memory, self%sample, [samples])
       call c_f_pointer(self%coefficient_memory, self%coefficient, [samples/2 + 1])
-      self%forward = fftw_plan_dft_r2c_1d(int(samples, c_int), self%sample, self%coefficient, fftw_estimate)
-      self%backward = fftw_plan_dft_c2r_1d(int(samples, c_int), self%coefficient, self%sample, fftw_estimate)
-      !$omp end critical (fftw_planner)
    end subroutine plan
 
    !> sample(q) = sum over k = -samples/2 .. samples/2 of coefficient(|k|) exp(2 pi i k (q-1)/samples); destroys
@@ -102,6 +101,12 @@ contains
    subroutine to_samples(self)
       class(transform_type), intent(inout) :: self
 
+      if (.not. c_associated(self%backward)) then
+         ! A plan by estimates leaves the arrays as they are.
+         !$omp critical (fftw_planner)
+         self%backward = fftw_plan_dft_c2r_1d(int(self%samples, c_int), self%coefficient, self%sample, fftw_estimate)
+         !$omp end critical (fftw_planner)
+      end if
       call fftw_execute_dft_c2r(self%backward, self%coefficient, self%sample)
    end subroutine to_samples
 
@@ -109,6 +114,11 @@ contains
    subroutine to_coefficients(self)
       class(transform_type), intent(inout) :: self
 
+      if (.not. c_associated(self%forward)) then
+         !$omp critical (fftw_planner)
+         self%forward = fftw_plan_dft_r2c_1d(int(self%samples, c_int), self%sample, self%coefficient, fftw_estimate)
+         !$omp end critical (fftw_planner)
+      end if
       call fftw_execute_dft_r2c(self%forward, self%sample, self%coefficient)
    end subroutine to_coefficients
 

@@ -8,7 +8,7 @@ module geartrain_network_frequency_unit
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: check_unit, lambda_per, speed_per_lambda, hertz_per_lambda, unit_length, visit_unit
+   public :: check_unit, lambda_of, lambda_per, speed_per_lambda, hertz_per_lambda, unit_length, visit_unit
 
    integer, parameter :: unit_length = 6
 
@@ -56,10 +56,20 @@ contains
       lambda_per = 1
       if (unit == 'Lambda') return
       call plain_train(train, plain)
-      lambda_per = 0
-      if (unit == 'rpm' .and. plain%speed_ratio > 0) lambda_per = 1/speed_per_lambda(plain)
-      if (unit == 'Hz' .and. plain%characteristic_frequency > 0) lambda_per = 1/hertz_per_lambda(plain)
+      lambda_per = lambda_of(plain, unit)
    end function lambda_per
+
+   !> Lambda per 1 of a unit, of a plain train; 0: not known.
+   pure real(dp) function lambda_of(plain, unit)
+      !> The plain train.
+      type(train_type), intent(in) :: plain
+      !> 'Lambda', 'rpm' or 'Hz'.
+      character(*), intent(in) :: unit
+
+      lambda_of = merge(1, 0, unit == 'Lambda')
+      if (unit == 'rpm' .and. plain%speed_ratio > 0) lambda_of = 1/speed_per_lambda(plain)
+      if (unit == 'Hz' .and. plain%characteristic_frequency > 0) lambda_of = 1/hertz_per_lambda(plain)
+   end function lambda_of
 
    !> Speed [rpm] at Lambda = 1; 0: not known.
    pure real(dp) function speed_per_lambda(plain)

@@ -6,9 +6,8 @@ module geartrain_network_limits
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_series, only: make_series, series_type
    use geartrain_train_bodies, only: bodies_of, body_count, find_ends
-   use geartrain_network_frequency_unit, only: lambda_per
+   use geartrain_network_frequency_unit, only: lambda_of
    use geartrain_network_excitation, only: lowest_harmonic
-   use geartrain_drawing_drawing, only: plain_train
    use geartrain_mesh_law_characteristic, only: characteristic_type, find_characteristic
    use geartrain_network_elements, only: vibrating
    use geartrain_train_gear_error, only: gear_words
@@ -35,9 +34,9 @@ contains
 
    !> Adds a problem for every Lambda that is too small or too large, `name = value: must be >= ...`; nothing for a train not
    !> `in_order`.
-   subroutine check_frequency(given, name, value, checker, unit)
-      !> The train.
-      type(train_type), intent(in) :: given
+   subroutine check_frequency(train, name, value, checker, unit)
+      !> The plain train.
+      type(train_type), intent(in) :: train
       !> Names of the variables, for the message.
       character(*), intent(in) :: name(:)
       !> Their frequencies in `unit`.
@@ -45,16 +44,14 @@ contains
       class(checker_type), intent(inout) :: checker
       !> 'Lambda', 'rpm' or 'Hz'; absent: Lambda.
       character(*), intent(in), optional :: unit
-      type(train_type) :: train
       real(dp) :: decades, own, factor, least
       integer :: i
 
-      call plain_train(given, train)
       if (.not. in_order(train, checker)) return
       ! By logarithms: the ratio itself may overflow.
       decades = log10(slowest_of(mesh_frequencies(train))) - log10(train%characteristic_frequency)
       factor = 1
-      if (present(unit)) factor = lambda_per(given, unit)
+      if (present(unit)) factor = lambda_of(train, unit)
       if (.not. factor > 0) return
       own = 10.0_dp**nint(max(-300.0_dp, min(300.0_dp, decades)))/factor
       ! The fundamental of hunting teeth is as slow as many periods of a mesh are long.
@@ -82,19 +79,17 @@ contains
 
    !> Adds a problem where the period of the fundamental has more cycles of a mesh than an analysis of whole periods can take. Time
    !> integration needs no such limit. Nothing for a train not `in_order`.
-   subroutine check_common_period(given, group, checker, within)
-      !> The train.
-      type(train_type), intent(in) :: given
+   subroutine check_common_period(train, group, checker, within)
+      !> The plain train.
+      type(train_type), intent(in) :: train
       !> Group of the analysis, for the message.
       character(*), intent(in) :: group
       class(checker_type), intent(inout) :: checker
       !> Whether the period can be taken.
       logical, intent(out), optional :: within
-      type(train_type) :: train
       integer :: fastest_mesh
 
       if (present(within)) within = .true.
-      call plain_train(given, train)
       if (.not. in_order(train, checker)) return
       fastest_mesh = maxloc(train%meshes%order, 1)
       associate (order => train%meshes(fastest_mesh)%order)
@@ -109,37 +104,36 @@ contains
 
    !> Adds a problem where all harmonics of a source of excitation are higher than the harmonics of a motion; nothing for a train
    !> not `in_order`.
-   subroutine check_harmonics(given, harmonics, subharmonic, most, checker)
-      !> The train.
-      type(train_type), intent(in) :: given
+   subroutine check_harmonics(train, harmonics, subharmonic, most, checker)
+      !> The plain train.
+      type(train_type), intent(in) :: train
       !> Number of harmonics of Lambda/subharmonic, 0: chosen by the program; sub-harmonic index; most harmonics that the program
       !> chooses, 0: it chooses none.
       integer, intent(in) :: harmonics, subharmonic, most
       class(checker_type), intent(inout) :: checker
-      type(train_type) :: train
       type(system_type) :: system
-      integer :: gear, j
+      integer :: gear, j, lowest
 
-      call plain_train(given, train)
       if (.not. in_order(train, checker)) return
       call put_excitation(train, system)
       do j = 1, size(system%torque)
+         if (.not. has_too_few(system%torque(j))) cycle
          if (allocated(train%bodies)) then
-            call check_source(system%torque(j), 'the fluctuation of the torque of &body '// &
-                              integer_text(system%torque_body(j)))
+            call complain('the fluctuation of the torque of &body '//integer_text(system%torque_body(j)))
          else
-            call check_source(system%torque(j), 'the fluctuation of the torque')
+            call complain('the fluctuation of the torque')
          end if
       end do
       do j = 1, system%meshes
-         call check_source(system%law(j)%variation(), 'the variation of the stiffness of &mesh '//integer_text(j))
+         if (has_too_few(system%law(j)%variation())) &
+            call complain('the variation of the stiffness of &mesh '//integer_text(j))
          associate (mesh => train%meshes(j))
-            call check_source(make_series(mesh%error_cos, mesh%error_sin, 1.0_dp, mesh%order), &
-                              'the transmission error of &mesh '//integer_text(j))
+            if (has_too_few(make_series(mesh%error_cos, mesh%error_sin, 1.0_dp, mesh%order))) &
+               call complain('the transmission error of &mesh '//integer_text(j))
             do gear = 1, 2
                associate (error => mesh%gear_error(gear))
-                  call check_source(make_series(error%cosine, error%sine, 1.0_dp, error%order), 'the error of the '// &
-                                    trim(gear_words(gear))//' gear of &mesh '//integer_text(j))
+                  if (has_too_few(make_series(error%cosine, error%sine, 1.0_dp, error%order))) &
+                     call complain('the error of the '//trim(gear_words(gear))//' gear of &mesh '//integer_text(j))
                end associate
             end do
          end associate
@@ -147,23 +141,32 @@ contains
 
    contains
 
-      subroutine check_source(source, name)
+      !> Whether the harmonics asked for leave out all of a source, whose lowest harmonic is then `lowest`.
+      logical function has_too_few(source)
          type(series_type), intent(in) :: source
-         character(*), intent(in) :: name
-         character(:), allocatable :: needed
-         integer :: lowest
 
          lowest = lowest_harmonic(source)
+         if (harmonics > 0) then
+            has_too_few = lowest*subharmonic > harmonics
+         else
+            has_too_few = harmonics == 0 .and. lowest*subharmonic > most*merge(system%excitation_order, 1, subharmonic == 1)
+         end if
+      end function has_too_few
+
+      subroutine complain(source)
+         character(*), intent(in) :: source
+         character(:), allocatable :: needed
+
          needed = integer_text(lowest)
          if (subharmonic > 1) needed = needed//'*subharmonic = '//integer_text(lowest*subharmonic)
-         needed = needed//': '//name//' has no lower harmonic of Lambda and would be left out'
-         if (harmonics > 0 .and. lowest*subharmonic > harmonics) then
-            if (most > 0) needed = needed//'; 0 chooses those that matter'
-            call checker%complain('harmonics', integer_text(harmonics), 'must be >= '//needed)
-         else if (harmonics == 0 .and. lowest*subharmonic > most*merge(system%excitation_order, 1, subharmonic == 1)) then
+         needed = needed//': '//source//' has no lower harmonic of Lambda and would be left out'
+         if (harmonics == 0) then
             call checker%complain('harmonics', '0', 'chooses at most '//integer_text(most)//', and must choose >= '//needed)
+            return
          end if
-      end subroutine check_source
+         if (most > 0) needed = needed//'; 0 chooses those that matter'
+         call checker%complain('harmonics', integer_text(harmonics), 'must be >= '//needed)
+      end subroutine complain
 
    end subroutine check_harmonics
 

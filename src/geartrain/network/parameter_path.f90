@@ -175,14 +175,14 @@ contains
       call self%train_at(value, train)
       call check_train(train, found)
       if (.not. allocated(found)) then
-         call check_frequency(train, ['frequency'], [self%frequency_ratio], checker)
+         call plain_train(train, plain)
+         call check_frequency(plain, ['frequency'], [self%frequency_ratio], checker)
          call checker%problems%raise('', found)
       end if
       if (allocated(found)) then
          call refuse(in_a_line(found%message))
          return
       end if
-      call plain_train(train, plain)
       call table%take(plain)
       do i = 1, size(self%parameter)
          has = value_of(table, self%parameter(i))

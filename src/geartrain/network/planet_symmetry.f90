@@ -5,7 +5,7 @@ module geartrain_network_planet_symmetry
    use geartrain_base_series, only: series_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_mesh_law_law, only: law_type
-   use geartrain_network_equal_branches, only: same_nodes
+   use geartrain_network_node_kinds, only: same_nodes
    use geartrain_network_system, only: system_type
    use geartrain_train_planetary_sets, only: find_sets, planetary_set_type
    use geartrain_train_train, only: train_type

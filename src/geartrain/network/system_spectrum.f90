@@ -15,6 +15,8 @@ module geartrain_network_system_spectrum
 
    !> Eigenvalues below this share of the largest diagonal element are 0 but for rounding.
    real(dp), parameter :: nothing = 1e-14_dp
+   !> Relative distance of two numbers between which an eigenvalue lies: bounds need no more digits.
+   real(dp), parameter :: enclosed = 1e-6_dp
 
    !> K and I on the nodes of a train.
    type :: pencil_type
@@ -72,17 +74,18 @@ contains
       values = value(below + 1:)
    end subroutine eigenvalues_of
 
-   !> The largest eigenvalue [1].
+   !> A number next to the largest eigenvalue [1], which is not above it.
    pure real(dp) function largest_eigenvalue(system, factor)
       type(system_type), intent(in) :: system
       !> Factors >= 0 of the elements, (element).
       real(dp), intent(in) :: factor(:)
       type(pencil_type) :: pencil
+      real(dp) :: below
 
       largest_eigenvalue = 0
       if (.not. any(factor > 0)) return
       call make_pencil(system, factor, pencil)
-      largest_eigenvalue = place(pencil, 1, pencil%lowest, pencil%highest)
+      call enclose(pencil, 1, pencil%lowest, pencil%highest, below, largest_eigenvalue)
    end function largest_eigenvalue
 
    !> Ranges that hold all eigenvalues > 0: the lowest and the highest eigenvalue of each range [1], (2, range). Within a range each
@@ -93,7 +96,7 @@ contains
       real(dp), intent(in) :: factor(:), ratio
       real(dp), allocatable :: ranges(:, :)
       type(pencil_type) :: pencil
-      real(dp) :: below, bottom, top
+      real(dp) :: above, below, bottom, highest, top
       integer :: all, found, n
 
       allocate (ranges(2, 0))
@@ -101,16 +104,18 @@ contains
       call make_pencil(system, factor, pencil)
       all = count_above(pencil, pencil%lowest)
       found = 0
-      bottom = pencil%highest
+      above = pencil%highest
       do while (found < all)
-         top = place(pencil, found + 1, pencil%lowest, bottom)
-         bottom = top
+         highest = above
+         call enclose(pencil, found + 1, pencil%lowest, highest, bottom, above)
+         top = above
          found = found + 1
          do
             below = max(bottom/ratio, pencil%lowest)
             n = count_above(pencil, below)
             if (n <= found) exit
-            bottom = place(pencil, n, below, bottom)
+            highest = above
+            call enclose(pencil, n, below, highest, bottom, above)
             found = n
          end do
          ranges = reshape([ranges, bottom, top], [2, size(ranges, 2) + 1])
@@ -191,24 +196,25 @@ contains
       end associate
    end function count_above
 
-   !> The n-th largest eigenvalue, which lies between two numbers, by bisection.
-   pure real(dp) function place(pencil, n, from, to)
+   !> Two numbers as good as equal between which the n-th largest eigenvalue lies, by bisection.
+   pure subroutine enclose(pencil, n, from, to, below, above)
       type(pencil_type), intent(in) :: pencil
       integer, intent(in) :: n
+      !> Numbers between which it lies.
       real(dp), intent(in) :: from, to
-      real(dp) :: above, middle
+      real(dp), intent(out) :: below, above
+      real(dp) :: middle
 
-      place = from
+      below = from
       above = to
-      do
-         middle = sqrt(place)*sqrt(above)
-         if (.not. (middle > place*(1 + epsilon(middle)) .and. middle < above*(1 - epsilon(middle)))) return
+      do while (above > below*(1 + enclosed))
+         middle = sqrt(below)*sqrt(above)
          if (count_above(pencil, middle) >= n) then
-            place = middle
+            below = middle
          else
             above = middle
          end if
       end do
-   end function place
+   end subroutine enclose
 
 end module geartrain_network_system_spectrum

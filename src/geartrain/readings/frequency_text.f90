@@ -50,8 +50,10 @@ contains
 
       told%unit = unit
       if (unit == 'Lambda') then
-         call plain_train(train, plain)
-         if (.not. abs(train%characteristic_frequency) > 0 .and. speed_per_lambda(plain) > 0) told%unit = 'rpm'
+         if (.not. abs(train%characteristic_frequency) > 0) then
+            call plain_train(train, plain)
+            if (speed_per_lambda(plain) > 0) told%unit = 'rpm'
+         end if
       else
          told%per_lambda = 1/lambda_per(train, unit)
       end if

@@ -194,8 +194,8 @@ contains
          call fields%expect('planet', size(planets), planets)
          call fields%expect('coupling', size(coupling_labels(case%train)), coupling_labels(case%train))
          call fields%expect('bearing', size(bearing_labels(case%train)), bearing_labels(case%train))
-         call fields%expect('coordinate', state_count(case%train))
       end if
+      if (fields%way == reading) call fields%expect('coordinate', state_count(case%train))
       do i = 1, size(analyses)
          call find_analysis(i, case, results, analysis)
          call fields%check(analysis%asked .or. .not. is_found(i), trim(analyses(i)%name))

@@ -139,7 +139,7 @@ contains
       call self%matrix%linearize(self%balance)
       self%matrix%row = 0
       self%matrix%corner = 1
-      if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
+      if (.not. self%matrix%keeps(self%fixed)) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
       call self%matrix%factor(self%balance, success, self%fixed, self%turn)
       if (.not. success) return
       call self%orient(solution, 1)
@@ -314,7 +314,7 @@ contains
             call self%matrix%linearize(self%balance)
             self%matrix%row = condition%row
             self%matrix%corner = condition%row_frequency
-            if (.not. self%fixed%is_whole()) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
+            if (.not. self%matrix%keeps(self%fixed)) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
             call self%matrix%factor(self%balance, regular, self%fixed, self%turn)
             if (.not. regular) return
          end if
@@ -367,6 +367,7 @@ contains
       solution%tangent = self%step/length
       solution%orientation = self%matrix%orientation
       if (.not. self%fixed%is_whole()) then
+         if (self%matrix%keeps(self%fixed)) self%differences = self%matrix%difference_signs(self%balance, self%fixed)
          solution%differences = self%differences
          if (.not. self%matrix%equal) solution%orientation = self%fixed%restricted(self%matrix%orientation, self%differences)
       end if

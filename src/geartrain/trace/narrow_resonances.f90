@@ -69,17 +69,32 @@ contains
       real(dp), intent(out) :: at, half_width
       !> There is one within the step, and it is narrower.
       logical, intent(out) :: found
+
+      if (allocated(balance%path)) then
+         call locate_on_path(self, balance, mode, harmonic, ends, at, half_width, found)
+         return
+      end if
+      at = balance%eta*self%frequency(mode, 1)/harmonic
+      half_width = self%ratio(mode, 1)*at
+      found = is_within(ends, at, half_width)
+   end subroutine locate
+
+   !> Finds the resonance over a parameter.
+   subroutine locate_on_path(self, balance, mode, harmonic, ends, at, half_width, found)
+      class(narrow_resonances_type), intent(in) :: self
+      !> As of `locate`.
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: mode, harmonic
+      real(dp), intent(in) :: ends(2)
+      real(dp), intent(out) :: at, half_width
+      logical, intent(out) :: found
       type(system_type) :: system
       real(dp), dimension(self%modes) :: frequency, ratio
       real(dp) :: x(2), y(2), resonant, slope
       integer :: i, last, side
 
-      if (.not. allocated(balance%path)) then
-         at = balance%eta*self%frequency(mode, 1)/harmonic
-         half_width = self%ratio(mode, 1)*at
-         found = is_within()
-         return
-      end if
+      at = ends(1)
+      half_width = 0
       resonant = balance%path%frequency_ratio*harmonic/balance%eta
       x = ends
       y = [(at_value(ends(i)) - resonant, i=1, 2)]
@@ -92,7 +107,7 @@ contains
          call balance%path%system_at(at, system)
          call find_modes(system, frequency, ratio)
          half_width = ratio(mode)*resonant/slope
-         found = is_within()
+         found = is_within(ends, at, half_width)
          if (.not. found .or. abs(frequency(mode) - resonant) <= accuracy*ratio(mode)*resonant) return
          ! The other end counts by half where this one moves again (Illinois).
          side = merge(1, 2, (frequency(mode) < resonant) .eqv. (y(1) < 0))
@@ -103,11 +118,6 @@ contains
       end do
 
    contains
-
-      !> Whether the resonance is within the step and narrower.
-      pure logical function is_within()
-         is_within = at > minval(ends) .and. at < maxval(ends) .and. abs(ends(2) - ends(1)) > shown*half_width
-      end function is_within
 
       !> Natural frequency at a value of the parameter, about.
       pure real(dp) function at_value(value)
@@ -120,7 +130,14 @@ contains
          end associate
       end function at_value
 
-   end subroutine locate
+   end subroutine locate_on_path
+
+   !> Whether a resonance is within a step and narrower.
+   pure logical function is_within(ends, at, half_width)
+      real(dp), intent(in) :: ends(2), at, half_width
+
+      is_within = at > minval(ends) .and. at < maxval(ends) .and. abs(ends(2) - ends(1)) > shown*half_width
+   end function is_within
 
    !> Natural frequencies over the characteristic frequency, ascending, 0 where LAPACK does not converge, and damping ratios by the
    !> diagonal of the modal damping matrix, at least `least_ratio` [1].

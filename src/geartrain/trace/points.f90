@@ -118,7 +118,7 @@ contains
       type(branch_type), intent(inout), target :: branch
       integer, intent(in) :: order(:)
 
-      call arrange_points(branch, order, size(branch%frequency_ratio))
+      call arrange_points(branch, order, size(order))
       branch%points = size(order)
    end subroutine take_points
 

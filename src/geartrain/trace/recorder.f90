@@ -289,7 +289,8 @@ contains
       type(branch_type), intent(inout), target :: branch
       integer :: i
 
-      call arrange_points(branch, [(i, i=1, branch%points)], branch%points)
+      if (size(branch%frequency_ratio) > branch%points) &
+         call arrange_points(branch, [(i, i=1, branch%points)], branch%points)
       if (.not. allocated(branch%undecided)) return
       call doubt_steep_growth(branch)
       if (allocated(branch%multipliers)) call follow_branch_points(branch)

@@ -5,6 +5,7 @@ module geartrain_trace_response_variables
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: integer_text, real_text
    use geartrain_base_variable, only: row => variable_type, visitor_type
+   use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_check_train, only: check_train
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, visit_unit
@@ -115,6 +116,7 @@ contains
       logical, intent(in) :: seeded
       !> Collects the problems; only the signs are checked if it has a problem of this group.
       class(checker_type), intent(inout) :: checker
+      type(train_type) :: plain
       logical :: within, whole
 
       call checker%enter('response', 1)
@@ -136,16 +138,17 @@ contains
                                integer_text(settings%subharmonic)//': the fundamental itself would be left out')
       end if
       call check_unit(train, settings%unit, checker)
+      call plain_train(train, plain)
       if (settings%parameter == '') then
          call check_ends()
       else
          call check_path()
       end if
       ! Where the orders are high the program carries sets of harmonics, however high, but for longer periods.
-      call check_common_period(train, 'response', checker, within)
+      call check_common_period(plain, 'response', checker, within)
       ! Shooting stores as many as time integration at least.
       if (within .and. .not. has_friction(train)) &
-         call check_harmonics(train, settings%harmonics, settings%subharmonic, merge(highest_of_sets, most_harmonics, &
+         call check_harmonics(plain, settings%harmonics, settings%subharmonic, merge(highest_of_sets, most_harmonics, &
                               settings%harmonics == 0 .and. settings%subharmonic == 1), checker)
       if (settings%samples > 0) then
          if (settings%harmonics == 0) then
@@ -194,7 +197,7 @@ contains
 
       !> Checks the ends of a range of frequencies.
       subroutine check_ends()
-         call check_frequency(train, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
+         call check_frequency(plain, ['from', 'to  '], [settings%start, settings%stop], checker, settings%unit)
          if (abs(settings%frequency) > 0) &
             call checker%complain('frequency', real_text(settings%frequency), 'belongs to parameter, which is not given')
       end subroutine check_ends
@@ -209,7 +212,7 @@ contains
                                   &the frequency stays constant')
             return
          end if
-         call check_frequency(train, ['frequency'], [settings%frequency], checker, settings%unit)
+         call check_frequency(plain, ['frequency'], [settings%frequency], checker, settings%unit)
          if (checker%problems%of_train() .or. checker%problems%in_group('response')) return
          ! What is wrong with the train is told elsewhere.
          call check_train(train, wrong)

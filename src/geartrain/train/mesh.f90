@@ -214,37 +214,39 @@ contains
    end subroutine plain_coupling
 
    !> Replaces tables, contact ratio and phase of a mesh by mean stiffness and harmonics of an equal force.
-   pure subroutine plain_mesh(mesh, plain)
-      !> The mesh as given.
-      type(mesh_type), intent(in) :: mesh
-      !> The mesh with mean stiffness and harmonics only.
-      type(mesh_type), intent(out) :: plain
+   pure subroutine plain_mesh(mesh)
+      !> The mesh as given; gets mean stiffness and harmonics only.
+      type(mesh_type), intent(inout) :: mesh
+      real(dp), allocatable :: loads(:), table(:)
       real(dp) :: mean
       integer :: h
+      logical :: with_loads
 
-      plain = mesh
       if (mesh%contact_ratio > 0) then
          ! A rectangular wave: one more tooth pair is in contact during the share contact_ratio - 1 of the cycle.
-         plain%stiffness_cos = [(2*sin(h*pi*(mesh%contact_ratio - 1))/(h*pi*mesh%contact_ratio), h=1, mesh%stiffness_harmonics)]
+         mesh%stiffness_cos = [(2*sin(h*pi*(mesh%contact_ratio - 1))/(h*pi*mesh%contact_ratio), h=1, mesh%stiffness_harmonics)]
       else if (has_table(mesh)) then
-         if (has_loads(mesh)) then
-            call take_loads(mesh%table_loads, mesh%stiffness_table, mesh%phase, plain)
-         else if (all(mesh%stiffness_table > 0 .and. mesh%stiffness_table <= largest)) then
-            call transform(mesh%stiffness_table, plain)
+         with_loads = has_loads(mesh)
+         call move_alloc(mesh%stiffness_table, table)
+         call move_alloc(mesh%table_loads, loads)
+         if (with_loads) then
+            call take_loads(loads, table, (mesh%phase), mesh)
+         else if (all(table > 0 .and. table <= largest)) then
+            call transform(table, mesh)
          end if
       end if
-      plain%contact_ratio = 0
-      if (allocated(plain%stiffness_table)) deallocate (plain%stiffness_table)
-      if (allocated(plain%table_loads)) deallocate (plain%table_loads)
+      mesh%contact_ratio = 0
+      if (allocated(mesh%stiffness_table)) deallocate (mesh%stiffness_table)
+      if (allocated(mesh%table_loads)) deallocate (mesh%table_loads)
       if (is_given(mesh%error_table)) then
-         call table_harmonics(mesh%error_table, mean, plain%error_cos, plain%error_sin)
-         plain%error_mean = plain%error_mean + mean
-         deallocate (plain%error_table)
+         call table_harmonics(mesh%error_table, mean, mesh%error_cos, mesh%error_sin)
+         mesh%error_mean = mesh%error_mean + mean
+         deallocate (mesh%error_table)
       end if
       if (.not. abs(mesh%phase) > 0) return
-      call delay(mesh%phase, plain%stiffness_cos, plain%stiffness_sin)
-      call delay(mesh%phase, plain%error_cos, plain%error_sin)
-      plain%phase = 0
+      call delay(mesh%phase, mesh%stiffness_cos, mesh%stiffness_sin)
+      call delay(mesh%phase, mesh%error_cos, mesh%error_sin)
+      mesh%phase = 0
    end subroutine plain_mesh
 
    !> Makes the force law of a plain mesh. Its damping is relative to the damping of the mesh until `law_type%complete`.
