@@ -69,7 +69,7 @@ contains
 
       associate (branch => self%result)
          if (allocated(branch%ended) .and. .not. allocated(branch%trace)) return
-         call response(train, self%settings, branch, error, start, observer)
+         call response(train, self%settings, branch, error, start, observer, checked=.true.)
          if (allocated(branch%ended)) then
             told = text_for(branch, train, self%settings%unit)
             call told%of_words(branch%ended, ended)

@@ -43,7 +43,7 @@ module geartrain_analyses_response_branch
 contains
 
    !> Traces the response of a train. Fails on bad input only: a branch that ends early says why in branch%ended.
-   subroutine response(train, settings, branch, error, seed, observer)
+   subroutine response(train, settings, branch, error, seed, observer, checked)
       !> The train as described.
       type(train_type), intent(in) :: train
       !> Range, harmonics, step and what else &response asks for.
@@ -56,10 +56,12 @@ contains
       type(motion_type), intent(in), optional :: seed
       !> Told of each point of 'response', or of 'branch' with a seed; may end the trace.
       class(observer_type), intent(inout), optional :: observer
+      !> Train and settings have been checked, as those of a case; absent: they have not.
+      logical, intent(in), optional :: checked
       type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
       type(branch_type) :: empty
-      logical :: resumed
+      logical :: checks, resumed
 
       resumed = .false.
       if (allocated(branch%trace)) resumed = branch%points > 0 .and. (branch%trace%steps > 0 .or. branch%trace%from_stop)
@@ -67,8 +69,10 @@ contains
          call move_alloc(branch%origin, empty%origin)
          branch = empty
       end if
-      call check_train(train, error)
-      if (.not. allocated(error)) call check_response(train, settings, present(seed), error)
+      checks = .true.
+      if (present(checked)) checks = .not. checked
+      if (checks) call check_train(train, error)
+      if (checks .and. .not. allocated(error)) call check_response(train, settings, present(seed), error)
       if (.not. allocated(error) .and. present(seed)) call check_seed(train, seed, error)
       if (allocated(error)) return
       if (has_friction(train)) then
