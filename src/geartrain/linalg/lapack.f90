@@ -3,7 +3,7 @@ module geartrain_linalg_lapack
    use geartrain_base_kinds, only: dp
    implicit none (type, external)
    private
-   public :: dgeev, dgehrd, dgels, dgemm, dgemv, dgetrf, dgetrs, dhsein, dhseqr, dormhr, dsbev
+   public :: dgeev, dgehrd, dgels, dgemm, dgemv, dgetrf, dgetrs, dhsein, dhseqr, dormhr, dsbevd
 
    interface
       !> LU factors of a general matrix.
@@ -157,20 +157,22 @@ module geartrain_linalg_lapack
       end subroutine dgemv
 
       !> Eigenvalues and eigenvectors of a symmetric band matrix.
-      pure subroutine dsbev(jobz, uplo, n, kd, ab, ldab, w, z, ldz, work, info)
+      pure subroutine dsbevd(jobz, uplo, n, kd, ab, ldab, w, z, ldz, work, lwork, iwork, liwork, info)
          import :: dp
          implicit none (type, external)
          !> 'V': eigenvectors are wanted, 'N': not; 'U': the upper, 'L': the lower triangle is given.
          character, intent(in) :: jobz, uplo
-         !> Rows, diagonals beside the main diagonal, leading dimensions.
-         integer, intent(in) :: n, kd, ldab, ldz
-         !> Diagonals of the matrix, destroyed, (kd + 1, n); eigenvectors, (n, n); work space, (3*n - 2).
+         !> Rows, diagonals beside the main diagonal, leading dimensions, sizes of the work space.
+         integer, intent(in) :: n, kd, ldab, ldz, lwork, liwork
+         !> Diagonals of the matrix, destroyed, (kd + 1, n); eigenvectors, (n, n); work space.
          real(dp), intent(inout) :: ab(ldab, *), z(ldz, *), work(*)
+         !> Whole numbers of the work space.
+         integer, intent(inout) :: iwork(*)
          !> Eigenvalues, ascending, (n).
          real(dp), intent(out) :: w(*)
          !> 0: converged.
          integer, intent(out) :: info
-      end subroutine dsbev
+      end subroutine dsbevd
    end interface
 
 end module geartrain_linalg_lapack

@@ -3,8 +3,9 @@
 !> its frequency is there.
 module geartrain_network_lowest_modes
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_band_eigenvalues, only: band_eigenvalues
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
-   use geartrain_linalg_lapack, only: dgemm, dsbev
+   use geartrain_linalg_lapack, only: dgemm
    use geartrain_network_system, only: system_type
    use geartrain_network_system_spectrum, only: count_above, make_pencil, pencil_type
    implicit none (type, external)
@@ -132,7 +133,7 @@ contains
       !> Eigenvalues of the projection, which has 2 block - 1 diagonals beside the main diagonal.
       subroutine solve_projected()
          integer, parameter :: width = 2*block - 1
-         real(dp) :: band(width + 1, m), work(3*m)
+         real(dp) :: band(width + 1, m)
          integer :: info, j, l
 
          band = 0
@@ -143,7 +144,7 @@ contains
          end do
          if (allocated(value)) deallocate (value, vector)
          allocate (value(m), vector(m, m))
-         call dsbev('V', 'U', m, width, band, width + 1, value, vector, m, work, info)
+         call band_eigenvalues(band, value, info, vector)
          success = info == 0
          do j = m, m - number + 1, -1
             success = success .and. norm2(matmul(projected(m + 1:m + block, m - block + 1:m), vector(m - block + 1:, j))) &

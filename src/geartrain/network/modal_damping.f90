@@ -15,7 +15,7 @@
 !> the ratios are met exactly.
 module geartrain_network_modal_damping
    use geartrain_base_kinds, only: dp
-   use geartrain_linalg_lapack, only: dsbev
+   use geartrain_linalg_band_eigenvalues, only: band_eigenvalues
    use geartrain_linalg_non_negative, only: non_negative_least_squares
    use geartrain_mesh_law_law, only: law_type
    use geartrain_train_mesh, only: coupling_radius, is_given, put_law
@@ -205,18 +205,18 @@ contains
       type(modal_damping_type), intent(inout) :: found
       integer, intent(in) :: modes
       real(dp), allocatable, intent(out) :: vector(:, :)
-      real(dp), allocatable :: band(:, :), value(:), all_vectors(:, :), work(:)
+      real(dp), allocatable :: band(:, :), value(:), all_vectors(:, :)
       integer :: i, j, n, info
 
       n = size(elements)
-      allocate (band(n, n), value(n), all_vectors(n, n), work(max(1, 3*n - 2)))
+      allocate (band(n, n), value(n), all_vectors(n, n))
       band = 0
       do j = 1, n
          do i = 1, j
             band(n + i - j, j) = coupling(network, elements(i), elements(j))*sqrt(found%stiffness(i)*found%stiffness(j))
          end do
       end do
-      call dsbev('V', 'U', n, n - 1, band, n, value, all_vectors, n, work, info)
+      call band_eigenvalues(band, value, info, all_vectors)
       found%frequency = sqrt(max(value(n - modes + 1:), tiny(1.0_dp)))
       vector = all_vectors(:, n - modes + 1:)
    end subroutine find_modes

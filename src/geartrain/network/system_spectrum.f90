@@ -6,8 +6,8 @@
 !> costs the number of nodes.
 module geartrain_network_system_spectrum
    use geartrain_base_kinds, only: dp
+   use geartrain_linalg_band_eigenvalues, only: band_eigenvalues
    use geartrain_linalg_graph, only: graph_type
-   use geartrain_linalg_lapack, only: dsbev
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -41,9 +41,8 @@ contains
       integer, intent(out) :: info
       !> Eigenvectors of the symmetric matrix [1], (element, value).
       real(dp), intent(out), optional :: vectors(:, :)
-      real(dp), allocatable :: band(:, :), work(:), vector(:, :)
+      real(dp), allocatable :: band(:, :), vector(:, :)
       real(dp) :: value(system%elements)
-      real(dp) :: none(1, 1)
       integer :: below, i, n, width
 
       width = 0
@@ -53,7 +52,6 @@ contains
          end do
       end do
       allocate (band(width + 1, system%elements), source=0.0_dp)
-      allocate (work(max(1, 3*system%elements - 2)))
       do n = 1, system%elements
          band(width + 1, n) = system%own(n)*factor(n)
          do i = system%first(n), system%first(n + 1) - 1
@@ -66,10 +64,10 @@ contains
       below = system%elements - size(values)
       if (present(vectors)) then
          allocate (vector(system%elements, system%elements))
-         call dsbev('V', 'U', system%elements, width, band, width + 1, value, vector, system%elements, work, info)
+         call band_eigenvalues(band, value, info, vector)
          vectors = vector(:, below + 1:)
       else
-         call dsbev('N', 'U', system%elements, width, band, width + 1, value, none, 1, work, info)
+         call band_eigenvalues(band, value, info)
       end if
       values = value(below + 1:)
    end subroutine eigenvalues_of
