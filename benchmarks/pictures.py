@@ -130,7 +130,7 @@ def draw_scale(found, path):
             place.plot(*zip(*known, strict=True), color=color, marker=marker, markersize=4, label=f"{key} multipliers")
         size = np.array([rows[0]["size"], rows[-1]["size"]])
         place.plot(size, np.median(rows[0]["without"]) * size / size[0], "k--", linewidth=1, label="linear")
-        place.set(xlabel=what, ylabel="time of a point [s]")
+        place.set(xlabel=what, ylabel="time of a call of few points [s]")
         place.legend(fontsize=8)
     sizes, peaks = zip(*((row["size"], row["memory"][0] / 2**20) for row in found["memory"]))
     axes[2].plot(sizes, peaks, "o-", markersize=4)

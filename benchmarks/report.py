@@ -168,7 +168,8 @@ The next table has the fastest method below an error of the waveform, and its ti
 
 def size_rows(rows, *shape):
     return [
-        (row["size"], *shape, *(duration(row[key]) if row.get(key) else "not measured" for key in ("without", "with")))
+        (row["size"], *shape, *(duration(row[key]) if row.get(key) else "not measured" for key in ("without", "with")),
+         row["points"])
         for row in rows
     ]  # fmt: skip
 
@@ -181,22 +182,23 @@ def scale_section(found):
     missing = " *Not measured*: the size before took too long." if "not measured" in str(shafts) else ""
     return f"""## Size
 
-The table has the time of a point at R = 6 for chains of figure 3's gear pairs, with tooth separation at the first of them, in a
-call of at most {found["points"]} points. Memory is the peak of the executable with its libraries.{missing}
+The table has the time of a call from Python for a range of 0.01 at R = 6, from a motion that is known, with all that a call does
+before and after its points: chains of figure 3's gear pairs, with tooth separation at the first of them. Memory is the peak of the
+executable with its libraries.{missing}
 
-{table(("shafts", "a point, without multipliers", "with", "memory"), shafts)}
+{table(("shafts", "a call, without multipliers", "with", "points", "memory"), shafts)}
 Trees and chains of equal pairs without separation:
 
-{table(("meshes", "shape", "a point, without multipliers", "with"), trees)}
+{table(("meshes", "shape", "a call, without multipliers", "with", "points"), trees)}
 Figure 3's train with more harmonics:
 
-{table(("R", "a point, without multipliers", "with"), size_rows(found["harmonics"][::2]))}
-![Time of a point and memory over size](speed/scale.png)
+{table(("R", "a call, without multipliers", "with", "points"), size_rows(found["harmonics"][::2]))}
+![Time of a call of few points and memory over size](speed/scale.png)
 """
 
 
 def tree_rows(trees):
-    """Times of a point of each shape, of the largest size."""
+    """Times of a call for each shape, of the largest size."""
     sizes = sorted({row["size"] for rows in trees.values() for row in rows})
     return [row for shape, rows in trees.items() for row in size_rows(rows, shape) if row[0] == sizes[-1]]
 

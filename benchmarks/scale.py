@@ -1,4 +1,4 @@
-"""Cost of a point against the number of shafts and against the number of harmonics, with multipliers and without; memory."""
+"""Time of a short call against the number of shafts and against the number of harmonics, with multipliers and without; memory."""
 
 import tempfile
 from pathlib import Path
@@ -14,9 +14,10 @@ SHAPES = ("chain", "comb", "binary tree", "random tree")
 
 
 def sizes(train_of, counts, settings_of, patience, say):
-    """Seconds of a point for each size, with multipliers and without; a size is left out once the one before took too long.
+    """Seconds of a call for each size, with multipliers and without, and its points; sizes are left out once one took too long.
 
-    The branch begins at a motion known beforehand: finding the first one is no part of a point.
+    The branch begins at a motion known beforehand: finding the first one takes no part of the time. Its range is the same whatever
+    the number of points by which a commit draws it.
     """
     rows, late = [], {}
     for count in counts:
@@ -28,7 +29,7 @@ def sizes(train_of, counts, settings_of, patience, say):
                 continue
             say(f"{count}, {'with' if stability else 'without'} multipliers")
             seconds, branch = timed(lambda: train.response(**settings, stability=stability), 5, patience)  # noqa: B023
-            row["with" if stability else "without"] = [value / len(branch) for value in seconds]
+            row["with" if stability else "without"], row["points"] = seconds, len(branch)
             late[stability] = min(seconds) > patience
         rows.append(row)
     return rows
@@ -63,4 +64,4 @@ def measure(quick, executable, say):
     }  # fmt: skip
     by_harmonics = sizes(
         lambda _: figure3, harmonics, lambda count: {"harmonics": count}, patience, lambda text: say(f"harmonics: {text}"))
-    return {"shafts": by_shafts, "harmonics": by_harmonics, "trees": trees, "memory": memory(executable, shafts), "points": POINTS}
+    return {"shafts": by_shafts, "harmonics": by_harmonics, "trees": trees, "memory": memory(executable, shafts)}
