@@ -7,6 +7,7 @@ import pytest
 from conftest import ROOT
 
 import geartrain as gt
+from paper_cases import chain
 
 RADIUS, INERTIA, STIFFNESS, ERROR = 0.05, 0.002, 2e8, 1e-6
 
@@ -81,6 +82,42 @@ def test_random_trains(times):
                 # Lower peaks may lie within the tolerance of the curve, 5e-3.
                 assert np.abs(between - alone.rms).max() < max(0.2 * alone.rms.max(), 0.03), (seed, at)
     assert compared > times(200)
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+@pytest.mark.parametrize("harmonics", [0, 3])
+@pytest.mark.parametrize("ratio", [1e-2, 1e-3, 1e-4])
+def test_peak_in_a_large_train(ratio, harmonics):
+    """The pair with 70 small discs on soft shafts, whose resonances are far below: the closed form of the pair alone."""
+    alone = pair(ratio)
+    discs = [gt.Body(name=f"disc {i}", inertia=1e-7) for i in range(70)]
+    shafts = [gt.Shaft(between=("wheel", f"disc {i}"), stiffness=5e-3 * (1 + i / 100), damping_ratio=1e-5) for i in range(70)]
+    branch = replace(alone, bodies=[*alone.bodies, *discs], shafts=shafts).response(
+        start=0.3, stop=2.6, harmonics=harmonics, stability=False)
+    peak = max(branch.peaks(), key=lambda peak: peak.rms)
+    assert peak.frequency == pytest.approx(1 / np.sqrt(1 - 2 * ratio**2), rel=2e-6)
+    assert peak.rms == pytest.approx(ERROR / 20e-6 / (2 * ratio * np.sqrt(1 - ratio**2)), rel=2e-4)
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_modes_of_a_large_train():
+    """Each of twenty modes of a chain of 40 shafts, over its resonance alone and in a response that began with ten points."""
+    ratio, given = 1e-3, chain(40)
+    shafts = [replace(shaft, damping_ratio=ratio) for shaft in given.shafts]
+    meshes = [replace(mesh, damping_ratio=ratio, stiffness_cos=[ratio], error_cos=[0.0, 2e-9]) for mesh in given.meshes]
+    train = replace(given, shafts=shafts, meshes=meshes)
+    settings = {"harmonics": 3, "stability": False}
+    wide = train.response(start=1.2, stop=2.0, **settings)
+    modes, compared = train.modes(), 0
+    for natural, width in zip(modes.natural_frequency, modes.damping_ratio):
+        if not 1.25 < natural < 1.95:
+            continue
+        alone = train.response(start=natural * (1 - 6 * width), stop=natural * (1 + 6 * width), **settings)
+        between = np.array([np.interp(alone.frequency, wide.frequency, rms) for rms in wide.rms.T]).T
+        compared += 1
+        # The tolerance of a curve is of all meshes together, 5e-3.
+        assert np.abs(between - alone.rms).max() < 3e-3, natural
+    assert compared == 20
 
 
 @pytest.mark.parametrize("stability", [False, True])

@@ -11,7 +11,7 @@ module geartrain_network_system_spectrum
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: count_above, eigenvalues_of, eigenvalue_ranges, largest_eigenvalue, make_pencil, pencil_type
+   public :: count_above, eigenvalues_of, eigenvalue_ranges, enclose, largest_eigenvalue, make_pencil, pencil_type
 
    !> Eigenvalues below this share of the largest diagonal element are 0 but for rounding.
    real(dp), parameter :: nothing = 1e-14_dp
@@ -196,10 +196,13 @@ contains
 
    !> Two numbers as good as equal between which the n-th largest eigenvalue lies, by bisection.
    pure subroutine enclose(pencil, n, from, to, below, above)
+      !> The matrices.
       type(pencil_type), intent(in) :: pencil
+      !> Its number, 1 of the largest.
       integer, intent(in) :: n
       !> Numbers between which it lies.
       real(dp), intent(in) :: from, to
+      !> The two numbers.
       real(dp), intent(out) :: below, above
       real(dp) :: middle
 

@@ -242,38 +242,43 @@ contains
       class(stepper_type), intent(inout) :: self
       !> The ends, with their tangents.
       type(solution_point_type), intent(in) :: here, next
-      real(dp) :: at, half_width, limit, off
+      real(dp) :: limit, off, widest
       type(solution_point_type) :: guess, solution
       integer, allocatable :: harmonic(:)
       integer :: before, h, n
-      logical :: found, success
+      logical :: carried, success
 
       passes = .false.
       if (.not. carries_same(here, next)) return
-      associate (c => self%corrector, ends => [here%frequency_ratio, next%frequency_ratio])
+      associate (c => self%corrector, ends => [here%frequency_ratio, next%frequency_ratio], found => self%resonances)
          before = c%evaluations
-         if (self%resonances%modes < 0) call self%resonances%setup(c%balance)
+         if (found%modes < 0) call found%setup(c%balance)
          harmonic = next%harmonic
          if (self%settings%harmonics == 0 .and. .not. c%balance%parts()) &
             harmonic = [harmonic, tail_harmonics(c%balance, next%frequency_ratio)]
          limit = off_cubic*curve_limit(c, next)
          do h = 1, size(harmonic)
-            do n = 1, self%resonances%modes
-               call self%resonances%locate(c%balance, n, harmonic(h), ends, at, half_width, found)
-               if (found .and. h <= size(next%harmonic)) &
-                  found = min(norm2(here%u(2*h:2*h + 1, :))*abs(ends(1) - at), norm2(next%u(2*h:2*h + 1, :))*abs(ends(2) - at)) &
-                          > half_width*limit*c%units%length
-               if (.not. found) cycle
-               guess = here
-               call go_along(here, next, share_at(ends, [here%tangent_frequency, next%tangent_frequency] &
-                                                  *arc_length(here, next, c%units), at), c%units, guess)
-               guess%frequency_ratio = at
+            carried = h <= size(next%harmonic)
+            widest = huge(widest)
+            if (carried) widest = min(amplitude(here), amplitude(next))*abs(ends(2) - ends(1))/(limit*c%units%length)
+            call found%find(c%balance, harmonic(h), ends, widest)
+            do n = 1, found%number
+               associate (at => found%at(n), half_width => found%half_width(n))
+                  if (carried) then
+                     if (.not. min(amplitude(here)*abs(ends(1) - at), amplitude(next)*abs(ends(2) - at)) &
+                         > half_width*limit*c%units%length) cycle
+                  end if
+                  guess = here
+                  call go_along(here, next, share_at(ends, [here%tangent_frequency, next%tangent_frequency] &
+                                                     *arc_length(here, next, c%units), at), c%units, guess)
+                  guess%frequency_ratio = at
+               end associate
                solution = guess
                call c%solve_at(solution, success)
                passes = .not. (success .or. c%balance%system%interrupt%raised())
                if (success) then
                   off = c%length_of(solution%u - guess%u)
-                  if (h > size(next%harmonic)) then
+                  if (.not. carried) then
                      call self%estimate_error(solution)
                      off = max(off, self%estimate%limited*norm2(solution%u(2:, :))/c%units%length)
                   end if
@@ -288,6 +293,16 @@ contains
          call c%correct(solution, success)
          passes = .not. (success .or. c%balance%system%interrupt%raised())
       end associate
+
+   contains
+
+      !> Amplitude of the harmonic over characteristic length [1].
+      pure real(dp) function amplitude(solution)
+         type(solution_point_type), intent(in) :: solution
+
+         amplitude = norm2(solution%u(2*h:2*h + 1, :))
+      end function amplitude
+
    end function passes_resonance
 
    !> Adds to the reason for the end how many points miss the tolerance; a branch whose points all miss it is not complete. Where a
