@@ -35,6 +35,17 @@ def test_peak_of_a_pair(ratio, harmonics, stability):
     assert peak.rms == pytest.approx(ERROR / 20e-6 / (2 * ratio * np.sqrt(1 - ratio**2)), rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    "settings", [{"subharmonic": 2, "harmonics": 6}, {"control": "local"}, {"coefficients": "sampled"}, {"step": 2.0}])
+@pytest.mark.parametrize("ratio", [1e-2, 1e-3])
+def test_peak_with_other_settings(ratio, settings):
+    """The same peak whatever the way to it."""
+    branch = pair(ratio).response(start=0.3, stop=2.6, **{"harmonics": 3, **settings})
+    peak = max(branch.peaks(), key=lambda peak: peak.rms)
+    assert peak.frequency == pytest.approx(1 / np.sqrt(1 - 2 * ratio**2), rel=1e-7)
+    assert peak.rms == pytest.approx(ERROR / 20e-6 / (2 * ratio * np.sqrt(1 - ratio**2)), rel=1e-6)
+
+
 @pytest.mark.parametrize("harmonics", [0, 24])
 @pytest.mark.parametrize("order", [3, 7, 20])
 @pytest.mark.parametrize("ratio", [3e-2, 1e-3])
