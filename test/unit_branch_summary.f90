@@ -59,12 +59,29 @@ contains
       branch%special_points = [special_point_type('branch point', 1.065_dp, 6), special_point_type('fold', 1.04_dp, 4)]
       call follow_branch_points(branch)
       call tests%is_true(.not. any(branch%undecided), 'a passage at a fold belongs to the fold')
+      ! Of three equal branches two multipliers pass at once, a complex pair by their rounding.
+      branch = passing([1, 1, 1, 0, 0, 0, 0, 0, 0], 1e-9_dp)
+      branch%special_points = [special_point_type('branch point', 1.065_dp, 6, multiplicity=2)]
+      call follow_branch_points(branch)
+      call tests%is_true(all(branch%stable .eqv. [1, 1, 1, 1, 1, 1, 0, 0, 0] == 1), 'both too early: stable up to there')
+      call tests%is_true(all(branch%undecided .eqv. [0, 0, 0, 1, 1, 1, 0, 0, 0] == 1), 'both too early: undecided between')
+      branch = passing([1, 1, 1, 1, 1, 1, 0, 0, 0], 1e-9_dp)
+      branch%special_points = [special_point_type('branch point', 1.035_dp, 3, multiplicity=2)]
+      call follow_branch_points(branch)
+      call tests%is_true(all(branch%stable .eqv. [1, 1, 1, 0, 0, 0, 0, 0, 0] == 1), 'both too late: unstable from there on')
+      branch = passing([1, 1, 1, 0, 0, 0, 0, 0, 0], 1e-9_dp)
+      branch%special_points = [special_point_type('branch point', 1.035_dp, 3, multiplicity=2)]
+      call follow_branch_points(branch)
+      call tests%is_true(.not. any(branch%undecided), 'both at once: nothing is doubted')
 
    contains
 
-      !> Points whose largest multiplier is 0.99, of those that are stable, else 1.02; the other one 0.5.
-      type(branch_type) function passing(stable)
+      !> Points whose largest multiplier is 0.99, of those that are stable, else 1.02; the other one 0.5, or as large and a complex pair
+      !> with it.
+      type(branch_type) function passing(stable, apart)
          integer, intent(in) :: stable(:)
+         !> Imaginary part of the pair.
+         real(dp), intent(in), optional :: apart
          integer :: i
 
          passing = branch_of([(1 + 0.01_dp*i, i=1, size(stable))], [(1.0_dp, i=1, size(stable))], stable)
@@ -74,6 +91,9 @@ contains
          passing%count_undecided = passing%undecided
          passing%multipliers = reshape([(cmplx(merge(0.99_dp, 1.02_dp, stable(i) == 1), 0, dp), (0.5_dp, 0.0_dp), &
                                          i=1, size(stable))], [2, size(stable)])
+         if (.not. present(apart)) return
+         passing%multipliers(2, :) = passing%multipliers(1, :) - (0, 1)*apart
+         passing%multipliers(1, :) = passing%multipliers(1, :) + (0, 1)*apart
       end function passing
 
    end subroutine beside_a_branch_point

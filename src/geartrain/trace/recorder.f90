@@ -9,7 +9,7 @@ module geartrain_trace_recorder
    use geartrain_balance_coupling_loss, only: find_coupling_losses
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: are_numbers, is_stable, power, side_of_fold
+   use geartrain_floquet_multipliers, only: are_numbers, is_stable, power
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
    use geartrain_network_parameter_path, only: parameter_path_type
@@ -23,6 +23,8 @@ module geartrain_trace_recorder
 
    !> Most points between a branch point and where a multiplier passes +1.
    integer, parameter :: reach = 8
+   !> Rounding of equal multipliers, relative [1].
+   real(dp), parameter :: rounding = 1e-7_dp
 
    type :: recorder_type
       !> Stability is assessed; torques of shafts are computed.
@@ -296,22 +298,22 @@ contains
       if (allocated(branch%multipliers)) call follow_branch_points(branch)
    end subroutine finish
 
-   !> Where another branch crosses, a real multiplier passes +1. The balance finds the crossing by its own matrix, more exactly than
-   !> the multipliers of its motion tell: by an error of 2e-4 they passed +1 three points before. The points between such a passage
-   !> and the crossing are on the side that the matrix says, and undecided.
+   !> Where another branch crosses, a real multiplier passes +1, of N equal branches N - 1 at once. The balance finds the crossing
+   !> by its own matrix, more exactly than the multipliers of its motion tell: by an error of 2e-4 they passed +1 three points
+   !> before. The points between such a passage and the crossing are on the side that the matrix says, and undecided.
    subroutine follow_branch_points(branch)
       !> A branch with stability and multipliers, complete.
       type(branch_type), intent(inout) :: branch
       integer, parameter :: unknown = -1
-      integer, allocatable :: side(:), crossings(:)
+      integer, allocatable :: above(:), crossings(:)
       integer :: i, k, s, first, last
 
       if (.not. allocated(branch%special_points)) return
       if (.not. any(branch%special_points%kind == 'branch point')) return
       allocate (crossings(branch%points), source=0)
-      allocate (side(branch%points), source=unknown)
+      allocate (above(branch%points), source=unknown)
       do i = 1, branch%points
-         if (are_numbers(multipliers_at(branch, i))) side(i) = side_of_fold(multipliers_at(branch, i))
+         if (are_numbers(multipliers_at(branch, i))) above(i) = count(is_above(multipliers_at(branch, i)))
       end do
       do s = 1, size(branch%special_points)
          associate (special => branch%special_points(s))
@@ -324,7 +326,7 @@ contains
       do s = 1, size(branch%special_points)
          associate (special => branch%special_points(s), p => branch%special_points(s)%point)
             if (special%kind /= 'branch point' .or. p < 1 .or. p >= branch%points) cycle
-            if (mod(special%multiplicity, 2) == 0 .or. side(p) /= side(p + 1)) cycle
+            if (passes(p, special%multiplicity)) cycle
             do k = 1, reach
                ! The passage that belongs to the crossing, before it or after it.
                do i = p - k, p + k, 2*k
@@ -332,22 +334,31 @@ contains
                   last = max(i, p)
                   if (first < 2 .or. last >= branch%points) cycle
                   if (any(branch%segment(first - 1:last + 1) /= branch%segment(p))) cycle
-                  if (side(i) == side(i + 1) .or. any(side(first - 1:last + 1) == unknown)) cycle
+                  if (any(above(first - 1:last + 1) == unknown)) cycle
+                  if (.not. passes(i, special%multiplicity)) cycle
                   if (crossings(i) > 0 .or. any(crossings(first:last - 1) > 0)) cycle
-                  call take_side(first, last)
-                  side(first:last) = 1 - side(first:last)
+                  call take_side(first, last, merge(above(i), above(i + 1), i < p))
                   exit
                end do
-               if (side(p) /= side(p + 1)) exit
+               if (passes(p, special%multiplicity)) exit
             end do
          end associate
       end do
 
    contains
 
-      !> Takes points as on the other side: one more, or one less, real multiplier is above +1.
-      subroutine take_side(first, last)
-         integer, intent(in) :: first, last
+      !> Whether so many multipliers pass +1 after a point. Complex pairs that become real leave an odd number odd.
+      pure logical function passes(point, multiplicity)
+         integer, intent(in) :: point, multiplicity
+
+         associate (change => abs(above(point + 1) - above(point)))
+            passes = merge(mod(change, 2) == 1, change == multiplicity, mod(multiplicity, 2) == 1)
+         end associate
+      end function passes
+
+      !> Takes points as on the other side: as many real multipliers are above +1 as there.
+      subroutine take_side(first, last, there)
+         integer, intent(in) :: first, last, there
          complex(dp) :: multipliers(branch%states)
          integer :: i
 
@@ -356,14 +367,23 @@ contains
             branch%undecided(i) = .true.
             branch%count_undecided(i) = .true.
             branch%stable(i) = .false.
-            if (side(i) == 0) cycle
-            ! Without the one that is above +1 by the error, the nearest.
-            multipliers(minloc(abs(multipliers - 1), 1, abs(multipliers%im) <= 0 .and. multipliers%re > 1)) = 0
-            branch%stable(i) = is_stable(multipliers)
+            ! Without those that are above +1 by the error, the nearest.
+            do while (count(is_above(multipliers)) > there)
+               multipliers(minloc(abs(multipliers - 1), 1, is_above(multipliers))) = 0
+            end do
+            if (above(i) > there) branch%stable(i) = is_stable(multipliers)
+            above(i) = there
          end do
       end subroutine take_side
 
    end subroutine follow_branch_points
+
+   !> Whether a multiplier is real and above +1; equal ones are a complex pair by their rounding.
+   elemental logical function is_above(multiplier)
+      complex(dp), intent(in) :: multiplier
+
+      is_above = abs(multiplier%im) <= rounding*abs(multiplier) .and. multiplier%re > 1
+   end function is_above
 
    !> Takes as undecided where the growth rate changes so much from point to point that it may have another sign within the error of
    !> the motion. Where a branch of doubled periods is about to end, 4e-6 of Lambda is from a multiplier of 0.988 to one of 1.004.
