@@ -76,8 +76,8 @@ contains
 
    contains
 
-      !> Points whose largest multiplier is 0.99, of those that are stable, else 1.02; the other one 0.5, or as large and a complex pair
-      !> with it.
+      !> Points whose largest multiplier is 0.99, of those that are stable, else 1.02; the other one 0.5, or as large and a complex
+      !> pair with it.
       type(branch_type) function passing(stable, apart)
          integer, intent(in) :: stable(:)
          !> Imaginary part of the pair.

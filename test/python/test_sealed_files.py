@@ -147,6 +147,10 @@ NASTY = {
     "an attribute with dimensions": (wide, "response/harmonics in it has 1 dimensions: must have 0"),
     "an attribute without a value": (
         lambda f: f["response"].attrs.create("harmonics", h5py.Empty("i4")), "response/harmonics in it has no value"),
+    "more harmonics than there is memory for": (
+        lambda f: f["response"].attrs.create("harmonics", np.int32(2**31 - 1)), "/response/harmonics in it"),
+    "a period longer than any": (
+        lambda f: f["response"].attrs.create("subharmonic", np.int32(2**31 - 1)), "/response/subharmonic in it"),
     "groups in a circle": (circle, "must be in 7 at most|linked in a circle"),
     "a group in itself": (lambda f: f.__setitem__("response/again", f["response"]), "must be in 7 at most|linked in a circle"),
     "a deep nest": (nest, "is a group in 8 others: must be in 7 at most"),

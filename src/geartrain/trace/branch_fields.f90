@@ -13,6 +13,10 @@ module geartrain_trace_branch_fields
    private
    public :: visit_branch
 
+   !> Largest number of harmonics, and period, that is read: arrays have its size before it is known whether a file has as many
+   !> values. No branch comes near it.
+   integer, parameter :: highest = 10000000
+
 contains
 
    !> Visits the group of a branch and the groups in it.
@@ -37,8 +41,9 @@ contains
                              &the ends left the range'), branch%complete)
       call carry(fields, row('closed', '', '', '1 = the branch closes, as an island; its last point is its first'), branch%closed)
       call carry(fields, row('harmonics', '', '', 'number of harmonics; where the program chose them, the largest of all points', &
-                             least=0), branch%harmonics)
-      call carry(fields, row('subharmonic', '', '', 'period of the motions in periods of the fundamental', least=1), &
+                             least=0, most=highest), branch%harmonics)
+      call carry(fields, row('subharmonic', '', '', 'period of the motions in periods of the fundamental', least=1, &
+                             most=highest), &
                              branch%subharmonic)
       call visit_points(branch, fields)
       call visit_special_points(branch, home//'/special_points', fields)
@@ -131,7 +136,8 @@ contains
          call carry(fields, row('whole'), trace%whole)
          call carry(fields, row('first_points', least=0, most=branch%points), trace%first_points)
          call carry(fields, row('steps', least=0), trace%steps)
-         call carry(fields, row('harmonics', least=merge(1, 0, trace%steps > 0)), trace%harmonics)
+         call carry(fields, row('harmonics', least=merge(1, 0, trace%steps > 0), most=highest), &
+                    trace%harmonics)
          call carry(fields, row('step'), trace%step)
          call carry(fields, row('curvature'), trace%curvature)
          call carry(fields, row('missed', least=0), trace%missed)
