@@ -68,18 +68,34 @@ VERSIONS void geartrain_flow_steps(int elements, int unknowns, int steps, const 
    }
 }
 
-/* Adds what forces at the steps add to the end states of the segments: influence(segment, state, step) per force(segment, step). */
+/* Of so many states side by side. */
+INLINE void add_states(int side_by_side, int states, int steps, const double *restrict influence, const double *restrict force,
+                       double *restrict added)
+{
+   four sum[8];
+
+   for (int i = 0; i < 2 * side_by_side; i++)
+      sum[i] = load(added + 4 * i);
+   for (int k = 0; k < steps; k++) {
+      const four here[2] = {load(force + 8 * k), load(force + 8 * k + 4)};
+      for (int i = 0; i < 2 * side_by_side; i++)
+         sum[i] += here[i % 2] * load(influence + 8 * k * states + 4 * i);
+   }
+   for (int i = 0; i < 2 * side_by_side; i++)
+      store(added + 4 * i, sum[i]);
+}
+
+/* Adds what forces at the steps add to the end states of the segments: influence(segment, state, step) per force(segment, step).
+   A sum waits for the sum before, so four states are summed side by side. */
 VERSIONS void geartrain_add_influence(int states, int steps, const double *restrict influence, const double *restrict force,
                                       double *restrict added)
 {
-   for (int l = 0; l < 8 * states; l += 8) {
-      four sum[2] = {load(added + l), load(added + l + 4)};
-      for (int k = 0; k < steps; k++)
-         for (int i = 0; i < 2; i++)
-            sum[i] += load(force + 8 * k + 4 * i) * load(influence + 8 * k * states + l + 4 * i);
-      store(added + l, sum[0]);
-      store(added + l + 4, sum[1]);
-   }
+   int l = 0;
+
+   for (; l + 4 <= states; l += 4)
+      add_states(4, states, steps, influence + 8 * l, force, added + 8 * l);
+   for (; l < states; l++)
+      add_states(1, states, steps, influence + 8 * l, force, added + 8 * l);
 }
 
 /* Carries functionals of the end states of the segments back over the steps, to the states at their beginnings. The last functional
