@@ -396,6 +396,9 @@ def test_messages_have_the_words_of_the_call():
         (lambda: train.response(**ends), '&response: stop = 0.5: must differ from "start": a branch needs a range'),
         (lambda: train.response(start=0.5, stop=0.6, period_doublings=1, stability=False),
          "&response: period_doublings = 1: needs stability = True: the multipliers tell where a period doubles"),
+        (lambda: train.response(start=0.5, stop=0.6, period_doublings=1, subharmonic=2, harmonics=6),
+         "&response: period_doublings = 1: must be 0 where subharmonic > 1: from rest the motion is one of period 1, whose "
+         "doublings are followed with subharmonic = 1"),
         (lambda: train.sweep(**ends), '&integration: points = 121: must be 1 where "start" and "stop" are equal'),
         (lambda: train.stability_map(**ends, **rows), '&stability_map: stop = 0.5: must differ from "start"',
          '&stability_map: parameter_points = 200: must be 1 where "parameter_start" and "parameter_stop" are equal, and only '

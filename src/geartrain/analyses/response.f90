@@ -69,7 +69,8 @@ contains
 
       associate (branch => self%result)
          if (allocated(branch%ended) .and. .not. allocated(branch%trace)) return
-         call response(train, self%settings, branch, error, start, observer, checked=.true.)
+         ! Checks before a run let pass what only a response with a given motion may ask for.
+         call response(train, self%settings, branch, error, start, observer, checked=present(start))
          if (allocated(branch%ended)) then
             told = text_for(branch, train, self%settings%unit)
             call told%of_words(branch%ended, ended)

@@ -56,7 +56,7 @@ contains
       type(motion_type), intent(in), optional :: seed
       !> Told of each point of 'response', or of 'branch' with a seed; may end the trace.
       class(observer_type), intent(inout), optional :: observer
-      !> Train and settings have been checked, as those of a case; absent: they have not.
+      !> Train and settings have been checked, for a response with such a motion; absent: they have not.
       logical, intent(in), optional :: checked
       type(system_type), target :: systems(2)
       type(tracer_type) :: tracer
