@@ -72,6 +72,26 @@ def light(seed):
                    shafts=[replace(shaft, damping_ratio=ratio) for shaft in train.shafts]), rng
 
 
+@pytest.mark.parametrize("ratio", [3e-3, 1e-3])
+@pytest.mark.parametrize("deflection", [1e-3, 1e-1])
+def test_beside_an_antiresonance(ratio, deflection):
+    """A step from where the teeth follow the error by the free vibration of wheel and disc: the other end allows for a resonance.
+
+    And a static deflection beside which the peak is small: it is drawn since it stands out of the motion beside it.
+    """
+    alone = pair(ratio, deflection)
+    disc = gt.Body(name="disc", inertia=0.5 * INERTIA)
+    shaft = gt.Shaft(between=("wheel", "disc"), stiffness=STIFFNESS * RADIUS**2, damping_ratio=ratio)
+    train = replace(alone, bodies=[*alone.bodies, disc], shafts=[shaft])
+    settings = {"harmonics": 3, "stability": False}
+    modes, absorbed = train.modes(), np.sqrt(1.5)  # of wheel and disc without the mesh: k (1/I + 2/I) over 2 k/I
+    for natural, width in zip(modes.natural_frequency, modes.damping_ratio):
+        peak = train.response(start=natural * (1 - 6 * width), stop=natural * (1 + 6 * width), **settings).peaks()[0]
+        for start in (absorbed, 0.98 * absorbed, 1.02 * absorbed):
+            wide = train.response(start=start, stop=natural + 0.3 * np.sign(natural - start), **settings)
+            assert max(found.rms for found in wide.peaks()) == pytest.approx(peak.rms, rel=1e-6)
+
+
 @pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 def test_random_trains(times):
     """Over resonances by the mean stiffness and half of it, between points; where the branch does not turn back, nor nearly."""
@@ -90,8 +110,8 @@ def test_random_trains(times):
                 alone = train.response(start=at * (1 - 6 * ratio), stop=at * (1 + 6 * ratio), **settings)
                 between = np.array([np.interp(alone.frequency, wide.frequency, rms) for rms in wide.rms.T]).T
                 compared += 1
-                # Lower peaks may lie within the tolerance of the curve, 5e-3.
-                assert np.abs(between - alone.rms).max() < max(0.2 * alone.rms.max(), 0.03), (seed, at)
+                # Lower peaks do not stand out of the motion beside them.
+                assert np.abs(between - alone.rms).max() < max(0.2 * alone.rms.max(), 1e-3), (seed, at)
     assert compared > times(200)
 
 

@@ -25,6 +25,9 @@ module geartrain_trace_stepper
    integer, parameter :: most_refusals = 3
    !> Distance from the cubic through the ends of a step at which it passes a resonance unseen, over the limit of a cubic [1].
    real(dp), parameter :: off_cubic = 5
+   !> Distance from the cubic over the motion at the ends of the step from which on a resonance stands out of it; least share of the
+   !> distance above that matters [1].
+   real(dp), parameter :: visible = 0.1_dp, hidden = 0.01_dp
    !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
    real(dp), parameter :: named_from = 3
 
@@ -236,7 +239,8 @@ contains
 
    !> Whether a step without a fold passes a resonance narrower than itself, at which the branch is off the cubic through its ends.
    !> The amplitude of a mode over its amplitude in resonance is the half width over the distance from there. So the ends bound the
-   !> motion in between, but for harmonics that they do not carry, whose size follows from the error estimate at the resonance.
+   !> motion in between, unless both are next to an antiresonance; for harmonics that they do not carry, its size follows from the
+   !> error estimate at the resonance. It matters where the curve promises as much, or where it stands out of the motion beside it.
    !> Where teeth part a resonance is as wide as the branch is bent, and the branch is followed through it.
    logical function passes_resonance(self, here, next) result(passes)
       class(stepper_type), intent(inout) :: self
@@ -257,15 +261,16 @@ contains
          if (self%settings%harmonics == 0 .and. .not. c%balance%parts()) &
             harmonic = [harmonic, tail_harmonics(c%balance, next%frequency_ratio)]
          limit = off_cubic*curve_limit(c, next)
+         limit = min(limit, max(visible*max(swing(here), swing(next)), hidden*limit))
          do h = 1, size(harmonic)
             carried = h <= size(next%harmonic)
             widest = huge(widest)
-            if (carried) widest = min(amplitude(here), amplitude(next))*abs(ends(2) - ends(1))/(limit*c%units%length)
+            if (carried) widest = max(amplitude(here), amplitude(next))*abs(ends(2) - ends(1))/(limit*c%units%length)
             call found%find(c%balance, harmonic(h), ends, widest)
             do n = 1, found%number
                associate (at => found%at(n), half_width => found%half_width(n))
                   if (carried) then
-                     if (.not. min(amplitude(here)*abs(ends(1) - at), amplitude(next)*abs(ends(2) - at)) &
+                     if (.not. max(amplitude(here)*abs(ends(1) - at), amplitude(next)*abs(ends(2) - at)) &
                          > half_width*limit*c%units%length) cycle
                   end if
                   guess = here
@@ -302,6 +307,13 @@ contains
 
          amplitude = norm2(solution%u(2*h:2*h + 1, :))
       end function amplitude
+
+      !> Length of the coefficients without the means [1].
+      pure real(dp) function swing(solution)
+         type(solution_point_type), intent(in) :: solution
+
+         swing = norm2(solution%u(2:, :))/sqrt(2.0_dp)/self%corrector%units%length
+      end function swing
 
    end function passes_resonance
 
