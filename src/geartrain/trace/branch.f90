@@ -194,21 +194,20 @@ contains
       real(dp), allocatable :: wider(:, :, :)
       integer, allocatable :: both(:)
       logical :: listed(maxval([0, branch%orders, orders]))
-      integer :: i, k, r
+      integer :: place(size(listed)), row(1 + 2*size(branch%orders)), i, k, n
 
       listed = .false.
       listed(branch%orders) = .true.
       listed(orders) = .true.
       if (count(listed) == size(branch%orders)) return
-      both = pack([(r, r=1, size(listed))], listed)
-      allocate (wider(1 + 2*size(both), branch%meshes, size(branch%frequency_ratio)), source=0.0_dp)
-      wider(1, :, :) = branch%coefficients(1, :, :)
-      i = 0
-      do k = 1, size(both)
-         if (i == size(branch%orders)) exit
-         if (branch%orders(i + 1) /= both(k)) cycle
-         i = i + 1
-         wider(2*k:2*k + 1, :, :) = branch%coefficients(2*i:2*i + 1, :, :)
+      both = pack([(k, k=1, size(listed))], listed)
+      place(both) = [(k, k=1, size(both))]
+      row = [1, (2*place(branch%orders(i)), 2*place(branch%orders(i)) + 1, i=1, size(branch%orders))]
+      ! The room of points to come stays as it is: a branch is widened hundreds of times.
+      allocate (wider(1 + 2*size(both), branch%meshes, size(branch%frequency_ratio)))
+      do n = 1, branch%points
+         wider(:, :, n) = 0
+         wider(row, :, n) = branch%coefficients(:, :, n)
       end do
       call move_alloc(wider, branch%coefficients)
       call move_alloc(both, branch%orders)
