@@ -93,6 +93,29 @@ def test_beside_an_antiresonance(ratio, deflection):
 
 
 @pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+@pytest.mark.parametrize(("share", "accuracy"), [(1e-2, 0.05), (1e-3, 1e-3), (1e-4, 1e-3)])
+@pytest.mark.parametrize("stability", [False, True])
+def test_torque_of_a_light_disc(share, accuracy, stability):
+    """The torque of its shaft against the linear equations; where the mesh feels its resonance there are points beside the peak."""
+    ratio, mesh_ratio, inertia = 1e-3, 0.05, share * INERTIA
+    alone = pair(mesh_ratio, 5e-4)
+    stiffness = inertia * (0.6 * alone.characteristic_frequency) ** 2
+    train = replace(alone, bodies=[*alone.bodies, gt.Body(name="disc", inertia=inertia)],
+                    shafts=[gt.Shaft(between=("wheel", "disc"), stiffness=stiffness, damping_ratio=ratio)])
+    branch = train.response(start=0.3, stop=2.6, harmonics=3, stability=stability)
+    mesh, shaft = np.array([RADIUS, -RADIUS, 0.0]), np.array([0.0, 1.0, -1.0])
+    joint = 1 / (1 / INERTIA + 1 / inertia)
+    damping = 2 * mesh_ratio * np.sqrt(STIFFNESS * INERTIA / RADIUS**2 / 2), 2 * ratio * np.sqrt(stiffness * joint)
+    highest = 0.0
+    for speed in np.linspace(0.595, 0.605, 4001) * alone.characteristic_frequency:
+        force = STIFFNESS + 1j * speed * damping[0], stiffness + 1j * speed * damping[1]
+        matrix = force[0] * np.outer(mesh, mesh) + force[1] * np.outer(shaft, shaft)
+        matrix -= speed**2 * np.diag([INERTIA, INERTIA, inertia])
+        highest = max(highest, abs(force[1] * (shaft @ np.linalg.solve(matrix, force[0] * mesh * ERROR))))
+    assert branch.shaft_torque_maximum.max() == pytest.approx(highest, rel=accuracy)
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 def test_random_trains(times):
     """Over resonances by the mean stiffness and half of it, between points; where the branch does not turn back, nor nearly."""
     compared = 0

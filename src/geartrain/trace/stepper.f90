@@ -1,5 +1,6 @@
 !> Steps along a branch, from a solution point to the next, and the points recorded: what a trace is made of.
 module geartrain_trace_stepper
+   use geartrain_balance_balanced_torque, only: shaft_coefficients
    use geartrain_balance_tail_harmonics, only: tail_harmonics
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
@@ -28,6 +29,8 @@ module geartrain_trace_stepper
    !> Distance from the cubic over the motion at the ends of the step from which on a resonance stands out of it; least share of the
    !> distance above that matters [1].
    real(dp), parameter :: visible = 0.1_dp, hidden = 0.01_dp
+   !> Least alternating torque of a shaft that counts, over the largest mean of all [1].
+   real(dp), parameter :: felt = 1e-4_dp
    !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
    real(dp), parameter :: named_from = 3
 
@@ -242,18 +245,25 @@ contains
    !> motion in between, unless both are next to an antiresonance; for harmonics that they do not carry, its size follows from the
    !> error estimate at the resonance. It matters where the curve promises as much, or where it stands out of the motion beside it.
    !> Where teeth part a resonance is as wide as the branch is bent, and the branch is followed through it.
-   logical function passes_resonance(self, here, next) result(passes)
+   logical function passes_resonance(self, here, next, at_torque) result(passes)
       class(stepper_type), intent(inout) :: self
       !> The ends, with their tangents.
       type(solution_point_type), intent(in) :: here, next
+      !> Not passed, but the torque of a shaft has a resonance there, the first in the step that no mesh feels; 0: none.
+      real(dp), intent(out) :: at_torque
       real(dp) :: limit, off, widest
       type(solution_point_type) :: guess, solution
       integer, allocatable :: harmonic(:)
+      !> Torques of shafts at both ends and between, (block, row); not allocated: not known yet.
+      real(dp), allocatable :: torque(:, :, :)
       integer :: before, h, n
-      logical :: carried, success
+      logical :: carried, matters, moved, success, with_torques
 
       passes = .false.
+      at_torque = 0
       if (.not. carries_same(here, next)) return
+      moved = .false.
+      with_torques = self%recorder%shaft_torque .and. self%corrector%balance%unknowns < self%system%elements
       associate (c => self%corrector, ends => [here%frequency_ratio, next%frequency_ratio], found => self%resonances)
          before = c%evaluations
          if (found%modes < 0) call found%setup(c%balance)
@@ -266,18 +276,26 @@ contains
             carried = h <= size(next%harmonic)
             widest = huge(widest)
             if (carried) widest = max(amplitude(here), amplitude(next))*abs(ends(2) - ends(1))/(limit*c%units%length)
+            if (with_torques) widest = huge(widest)
             call found%find(c%balance, harmonic(h), ends, widest)
             do n = 1, found%number
                associate (at => found%at(n), half_width => found%half_width(n))
-                  if (carried) then
-                     if (.not. max(amplitude(here)*abs(ends(1) - at), amplitude(next)*abs(ends(2) - at)) &
-                         > half_width*limit*c%units%length) cycle
-                  end if
+                  matters = .true.
+                  if (carried) matters = max(amplitude(here)*abs(ends(1) - at), amplitude(next)*abs(ends(2) - at)) &
+                                         > half_width*limit*c%units%length
+                  if (.not. (matters .or. with_torques)) cycle
                   guess = here
                   call go_along(here, next, share_at(ends, [here%tangent_frequency, next%tangent_frequency] &
                                                      *arc_length(here, next, c%units), at), c%units, guess)
                   guess%frequency_ratio = at
                end associate
+               if (carried .and. with_torques) then
+                  if (torque_stands_out()) then
+                     if (.not. abs(at_torque) > 0 .or. abs(found%at(n) - ends(1)) < abs(at_torque - ends(1))) &
+                        at_torque = found%at(n)
+                  end if
+               end if
+               if (.not. matters) cycle
                solution = guess
                call c%solve_at(solution, success)
                passes = .not. (success .or. c%balance%system%interrupt%raised())
@@ -292,7 +310,7 @@ contains
                if (passes) return
             end do
          end do
-         if (c%evaluations == before) return
+         if (c%evaluations == before .and. .not. moved) return
          ! The corrector goes back to the end of the step.
          solution = next
          call c%correct(solution, success)
@@ -307,6 +325,32 @@ contains
 
          amplitude = norm2(solution%u(2*h:2*h + 1, :))
       end function amplitude
+
+      !> Whether the torque of a shaft at the resonance, by the forces of the meshes at `guess`, stands out of that at both ends: of
+      !> a light disc on a shaft of little damping no mesh feels it.
+      logical function torque_stands_out() result(stands_out)
+         real(dp), allocatable :: swings(:, :)
+         integer :: k, s
+
+         if (.not. allocated(torque)) then
+            allocate (torque(self%corrector%balance%block, self%system%torque_paths%rows, 3))
+            call find_torques(here, torque(:, :, 1))
+            call find_torques(next, torque(:, :, 2))
+         end if
+         call find_torques(guess, torque(:, :, 3))
+         moved = .true.
+         swings = reshape([((norm2(torque(2:, s, k)), s=1, size(torque, 2)), k=1, 3)], [size(torque, 2), 3])
+         stands_out = any(swings(:, 3) > (1 + visible)*max(swings(:, 1), swings(:, 2)) &
+                          .and. swings(:, 3) > felt*maxval(abs(torque(1, :, :))) .and. self%system%torque_paths%known)
+      end function torque_stands_out
+
+      subroutine find_torques(solution, coefficients)
+         type(solution_point_type), intent(in) :: solution
+         real(dp), intent(out) :: coefficients(:, :)
+
+         call self%corrector%balance%evaluate(solution%u, solution%frequency_ratio)
+         call shaft_coefficients(self%corrector%balance, coefficients)
+      end subroutine find_torques
 
       !> Length of the coefficients without the means [1].
       pure real(dp) function swing(solution)
