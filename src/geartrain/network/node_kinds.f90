@@ -1,5 +1,5 @@
-!> Kinds of the nodes and elements of a network: those of a kind have equal numbers, and neighbours of the same kinds, so that no
-!> look at numbers and neighbours tells them apart. What may change places is of one kind.
+!> Kinds of the nodes and elements of a network. Two of one kind have equal numbers, and neighbours of the same kinds. What may
+!> change places without a change of the train is of one kind.
 module geartrain_network_node_kinds
    use geartrain_base_kinds, only: dp
    use geartrain_base_series, only: series_type
@@ -64,7 +64,7 @@ contains
             if (looked(c) < members(c)) then
                if (all(fresh(:, k) == around(:, i))) cycle
             end if
-            ! The first of those that have the same neighbours now; the first of each such group leads to that of the next.
+            ! Groups with the same neighbours now, each known by its first member: j is that of the own group, 0: there is none.
             last = 0
             j = first(c)
             do while (j > 0)

@@ -103,7 +103,7 @@ contains
       end do
    end subroutine find
 
-   !> Finds those of a large train: its modes between two frequencies, one by one.
+   !> Finds the resonances of a large train: its modes between two frequencies, one by one.
    subroutine find_in_large(self, balance, harmonic, ends, widest)
       class(narrow_resonances_type), intent(inout) :: self
       !> As of `find`.
