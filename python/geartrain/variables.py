@@ -189,7 +189,7 @@ VARIABLES: dict[str, dict[str, Variable]] = {
     "response": {
         "start": Variable("from", "real", "float", None, True, "Frequency, or value of parameter, at which the branch begins"),
         "stop": Variable("to", "real", "float", None, True, "Frequency, or value of parameter, at which the branch ends, above or below"),
-        "parameter": Variable("parameter", "text", "str", "", False, "Number of the train that varies at constant frequency, as in 'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none"),
+        "parameter": Variable("parameter", "text", "str", "", False, "Number of the train that varies at constant frequency, as in 'input_torque', 'mesh 2 half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; several that take the same value are separated by commas; blank: none"),
         "frequency": Variable("frequency", "real", "float", None, False, "Constant frequency of a branch over parameter; > 0"),
         "unit": Variable("unit", "text", "Literal['Lambda', 'rpm', 'Hz']", "Lambda", False, "Rpm only where every mesh has teeth; 'Lambda', 'rpm' or 'Hz'"),
         "harmonics": Variable("harmonics", "integer", "int", 6, False, "Harmonics R of Lambda/subharmonic; 0: as many as tolerance needs, recommended for trains with teeth; 1 to 1000, or 0"),

@@ -198,6 +198,31 @@ def test_planet_errors_are_those_of_both_meshes():
         short(planet_errors=(0.0, 1e-6))
 
 
+PLANET = "mesh stage 1 sun 2 error_mean, mesh stage 1 ring 2 error_mean"
+
+
+def test_parameters_that_take_the_same_value():
+    """The place of a planet is the error_mean of both its meshes: the response over it has the motions of trains with these."""
+    branch = short().response(start=0.0, stop=6e-6, parameter=PLANET, frequency=2200.0, harmonics=4, stability=False)
+    assert branch.complete and branch.parameter_name == PLANET and branch.parameter_unit == "m"
+    for error in (1e-6, 4e-6):
+        given = short(planet_errors=(0.0, error, 0.0)).response(start=2190.0, stop=2210.0, harmonics=4, stability=False)
+        close(branch.at(error)[0].rms, given.at(2200.0)[0].rms, 1e-7, f"rms at an error of {error}")
+    motion = branch.at(4e-6)[0]
+    both = motion.gradient("rms", PLANET.split(", ")).sum(axis=1)
+    close(motion.gradient("rms", [PLANET])[:, 0], both, 1e-9, "derivative with respect to both")  # of differences of trains
+    with pytest.raises(gt.InputError, match="names one number twice"):
+        motion.gradient("rms", ["mesh 2 error_mean, mesh stage 1 sun 2 error_mean"])
+    with pytest.raises(gt.InputError, match="have the same unit"):
+        motion.gradient("rms", ["mesh 1 error_mean, mesh 1 stiffness"])
+    with pytest.raises(gt.InputError, match="stands for all harmonics by itself"):
+        motion.gradient("rms", ["stiffness_variation, mesh 1 damping_ratio"])
+    with pytest.raises(gt.InputError, match="at most 399 characters"):
+        motion.gradient("rms", [", ".join(f"mesh {number} stiffness_cos {number}" for number in range(1, 20))])
+    with pytest.raises(gt.InputError, match=r"must tell which &mesh: 1 to 6, or [*] for all, or its name"):
+        motion.gradient("rms", ["mesh stage 1 sun 4 error_mean"])
+
+
 @pytest.fixture(scope="module")
 def branch():
     return short(planet_errors=(0.0, 3e-6, -2e-6)).response(start=2000.0, stop=2400.0, unit="rpm", harmonics=4, stability=False)

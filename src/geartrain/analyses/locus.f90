@@ -24,6 +24,7 @@ module geartrain_analyses_locus
    use geartrain_network_frequency_unit, only: check_unit, lambda_per, unit_length, visit_unit
    use geartrain_network_long_period, only: describe_period
    use geartrain_network_parameter_path, only: parameter_path_type
+   use geartrain_network_parameter_table, only: settings_length
    use geartrain_train_train, only: train_type
    use geartrain_base_sheet, only: in_quality, in_result, sheet_type
    use geartrain_analyses_torque_table, only: torque_table_type
@@ -47,7 +48,7 @@ module geartrain_analyses_locus
       !> Of a contact onset the number of the mesh, else 0.
       integer :: mesh = 0
       !> Name of the parameter, and the ends of its range [unit of the parameter], `from` and `to` in a case file.
-      character(80) :: parameter = ''
+      character(settings_length) :: parameter = ''
       real(dp) :: start = 0, stop = 0
    end type locus_settings_type
 

@@ -18,6 +18,7 @@ module geartrain_analyses_stability_grid
    use geartrain_network_limits, only: check_common_period, check_frequency, check_harmonics
    use geartrain_network_long_period, only: check_long_period, visit_long_period
    use geartrain_network_parameter, only: largest_variation
+   use geartrain_network_parameter_table, only: settings_length
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
@@ -42,7 +43,7 @@ module geartrain_analyses_stability_grid
       !> Number of frequencies in the range, both ends included.
       integer :: points = 200
       !> Parameter that varies from row to row: a number of the train, or 'mesh_damping_ratio' or 'half_backlash' of every mesh.
-      character(80) :: parameter = 'stiffness_variation'
+      character(settings_length) :: parameter = 'stiffness_variation'
       !> Ends of the range of the parameter [unit of the parameter].
       real(dp) :: parameter_start = 0, parameter_stop = 0
       !> Number of values of the parameter, both ends included.

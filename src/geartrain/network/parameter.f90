@@ -1,6 +1,6 @@
 !> Parameters of a train by name: 'input_torque', 'shaft 2 stiffness', 'mesh * half_backlash' (of all meshes alike), 'body motor
 !> inertia', 'mesh 1 stiffness_cos 2' (a value of a list) or 'stiffness_variation' (the largest amplitude of kappa, all others in
-!> proportion).
+!> proportion). Several, separated by commas, take the same value, as the errors of both meshes of a planet do that sits askew.
 module geartrain_network_parameter
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
@@ -8,7 +8,7 @@ module geartrain_network_parameter
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_series, only: make_series, series_type
    use geartrain_network_modal_damping, only: damps_by_modes
-   use geartrain_network_parameter_table, only: entry_type, parameter_type, table_type
+   use geartrain_network_parameter_table, only: entry_type, parameter_type, settings_length, table_type
    use geartrain_train_body, only: has_table_of_torque
    use geartrain_train_gear_error, only: has_gear_error
    use geartrain_train_mesh, only: has_loads, mesh_type
@@ -43,7 +43,7 @@ module geartrain_network_parameter
 
 contains
 
-   !> Finds the parameters of a name: one, or with * those of all groups in which it is in force.
+   !> Finds the parameters of a name: of each part between commas one, or with * those of all groups in which it is in force.
    subroutine find_parameters(train, plain, given, derived, name, parameters, error)
       !> A train that has passed `check_train`, and its plain train.
       type(train_type), intent(in) :: train, plain
@@ -54,6 +54,47 @@ contains
       !> The parameters; none where the name is refused.
       type(parameter_type), allocatable, intent(out) :: parameters(:)
       !> Added to where the train has no such parameter.
+      type(error_type), allocatable, intent(inout) :: error
+      type(parameter_type), allocatable :: found(:)
+      character(:), allocatable :: why
+      integer :: begin, last, i
+
+      allocate (parameters(0))
+      if (len_trim(name) >= settings_length) call fatal(error, 'parameter "'//name(:20)//'...": at most '// &
+                                                        integer_text(settings_length - 1)//' characters')
+      if (allocated(error)) return
+      last = -1
+      do
+         begin = last + 2
+         last = begin - 2 + index(name(begin:)//',', ',')
+         call find_part(train, plain, given, derived, name(begin:last), found, error)
+         if (allocated(error)) exit
+         do i = 1, size(found)
+            if (any(are_same(parameters, found(i)))) why = 'names one number twice'
+            if (any(parameters%unit /= found(i)%unit)) why = 'numbers that take the same value have the same unit'
+         end do
+         parameters = [parameters, found]
+         if (last >= len_trim(name)) exit
+      end do
+      if (size(parameters) > 1 .and. any(parameters%variable == variation)) why = variation//' stands for all harmonics by itself'
+      if (allocated(why) .and. .not. allocated(error)) call fatal(error, 'parameter "'//trim(adjustl(name))//'": '//why)
+      if (allocated(error)) parameters = parameters(:0)
+   end subroutine find_parameters
+
+   !> Whether two parameters are the same number.
+   elemental logical function are_same(one, other)
+      type(parameter_type), intent(in) :: one, other
+
+      are_same = one%group == other%group .and. one%variable == other%variable .and. one%index == other%index .and. &
+                 one%item == other%item
+   end function are_same
+
+   !> Finds the parameters of a part of a name between commas.
+   subroutine find_part(train, plain, given, derived, name, parameters, error)
+      type(train_type), intent(in) :: train, plain
+      type(table_type), intent(in) :: given, derived
+      character(*), intent(in) :: name
+      type(parameter_type), allocatable, intent(out) :: parameters(:)
       type(error_type), allocatable, intent(inout) :: error
       type(parameter_type) :: parameter
       type(error_type), allocatable :: refused, first
@@ -78,7 +119,7 @@ contains
          end if
       end do
       if (size(parameters) == 0) call fatal(error, first%message, lines=.true.)
-   end subroutine find_parameters
+   end subroutine find_part
 
    !> Number of groups of a kind; 0 also for the group &train.
    pure integer function group_count(train, group)
@@ -323,11 +364,15 @@ contains
             do i = 1, groups
                if (train%bodies(i)%name == which) parameter%index = i
             end do
+         else if (parameter%index < 0 .and. which /= '' .and. all(parameter%group /= [character(5) :: 'train', 'shaft'])) then
+            do i = 1, groups
+               if (train%meshes(place_of(train%meshes, trim(parameter%group), i))%name == which) parameter%index = i
+            end do
          end if
          if (parameter%index > 0 .and. parameter%index <= groups) return
          parameter%index = -1
          call refuse('must tell which &'//trim(parameter%group)//': 1 to '//integer_text(groups)//', or * for all'// &
-                     trim(merge(', or its name', '             ', parameter%group == 'body')))
+                     trim(merge('             ', ', or its name', any(parameter%group == [character(5) :: 'train', 'shaft']))))
       end subroutine find_group
 
    end subroutine find_parameter

@@ -9,7 +9,10 @@ module geartrain_network_parameter_table
    use geartrain_train_train_variables, only: visit_body, visit_mesh, visit_model, visit_shaft, visit_train
    implicit none (type, external)
    private
-   public :: entry_type, parameter_type, table_type, add_to_parameter
+   public :: add_to_parameter, entry_type, parameter_type, settings_length, table_type
+
+   !> Characters that settings hold of the name of a parameter; names are shorter.
+   integer, parameter :: settings_length = 400
 
    type :: parameter_type
       !> Group 'train', 'body', 'shaft', 'mesh', 'coupling' or 'bearing'; the variable; number of the group; value of a list, 0: no

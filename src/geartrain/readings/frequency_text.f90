@@ -6,6 +6,7 @@ module geartrain_readings_frequency_text
    use geartrain_base_words, only: lambda, words_type
    use geartrain_drawing_drawing, only: plain_train
    use geartrain_network_frequency_unit, only: lambda_per, speed_per_lambda
+   use geartrain_network_parameter_table, only: settings_length
    use geartrain_trace_branch, only: branch_type
    use geartrain_train_train, only: train_type
    implicit none (type, external)
@@ -19,7 +20,7 @@ module geartrain_readings_frequency_text
 
    type :: frequency_text_type
       !> Name of the parameter of the train; blank: frequencies are told.
-      character(80) :: parameter = ''
+      character(settings_length) :: parameter = ''
       !> 'Lambda', 'rpm' or 'Hz', or the unit of the parameter; its value at Lambda = 1.
       character(12) :: unit = 'Lambda'
       real(dp) :: per_lambda = 1

@@ -39,7 +39,8 @@ contains
                          required=.true.), settings%stop)
       word = trim(settings%parameter)
       call v%on_text(row('parameter', '', "number of the train that varies at constant frequency, as in 'input_torque', 'mesh 2 &
-                         &half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; blank: none"), word)
+                         &half_backlash', 'mesh * damping_ratio', 'stiffness_variation'; several that take the same value &
+                         &are separated by commas; blank: none"), word)
       if (allocated(word)) settings%parameter = word
       given = abs(settings%frequency) > 0
       call v%on_real(row('frequency', '', 'constant frequency of a branch over parameter', above=zero), settings%frequency, given)

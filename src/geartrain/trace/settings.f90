@@ -2,6 +2,7 @@
 module geartrain_trace_settings
    use geartrain_base_kinds, only: dp
    use geartrain_network_frequency_unit, only: unit_length
+   use geartrain_network_parameter_table, only: settings_length
    implicit none (type, external)
    private
    public :: response_settings_type
@@ -13,7 +14,7 @@ module geartrain_trace_settings
       !> Unit of frequencies: 'Lambda', 'rpm' or 'Hz'.
       character(unit_length) :: unit = 'Lambda'
       !> Name of a parameter of the train: the range is one of its values, at the constant `frequency`; blank: of frequencies.
-      character(80) :: parameter = ''
+      character(settings_length) :: parameter = ''
       real(dp) :: frequency = 0
       !> Harmonics of Lambda/subharmonic; 0 lets the program choose for `tolerance`.
       integer :: harmonics = 6
