@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from conftest import run
+from conftest import ROOT, run
 
 import geartrain as gt
 
@@ -26,6 +26,8 @@ def test_a_new_case_explains_every_line_and_its_own_name(executable, tmp_path):
     assert "first.nml" in lines[3] and "FILE" not in "".join(lines)
     bare = [line for line in lines if "=" in line.split("!")[0] and "!" not in line]
     assert not bare
+    named = {word.strip(",.") for line in lines for word in line.split() if word.startswith("namelists/")}
+    assert len(named) == 3 and all((ROOT / name).exists() for name in named)
 
 
 def test_a_new_case_overwrites_nothing(executable, tmp_path):

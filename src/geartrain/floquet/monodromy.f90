@@ -325,28 +325,28 @@ contains
       class(motion_contacts_type), intent(in) :: motion
       real(dp), intent(in) :: period, from, to
       real(dp), intent(in), optional :: shift(:, :)
-      integer, allocatable :: order(:)
-      real(dp), allocatable :: instant(:)
-      integer :: i, k
+      integer, dimension(sum(motion%contact(:motion%unknowns)%events)) :: mesh, contact, order
+      real(dp) :: instant(size(mesh))
+      integer :: i, k, n
 
-      self%instant = [real(dp) ::]
-      self%mesh = [integer ::]
-      self%contact = [integer ::]
+      n = 0
       do i = 1, motion%unknowns
-         associate (contact => motion%contact(i), n => motion%contact(i)%events)
-            instant = contact%instant(:n)
-            if (present(shift)) instant = instant + shift(:n, i)
-            instant = instant/(2*pi)*period
-            order = pack([(k, k=1, n)], instant >= from .and. instant < to)
-            self%instant = [self%instant, instant(order)]
-            self%mesh = [self%mesh, spread(motion%mesh(i), 1, size(order))]
-            self%contact = [self%contact, contact%contact(order)]
+         associate (found => motion%contact(i))
+            do k = 1, found%events
+               instant(n + 1) = found%instant(k)
+               if (present(shift)) instant(n + 1) = instant(n + 1) + shift(k, i)
+               instant(n + 1) = instant(n + 1)/(2*pi)*period
+               if (.not. (instant(n + 1) >= from .and. instant(n + 1) < to)) cycle
+               n = n + 1
+               mesh(n) = motion%mesh(i)
+               contact(n) = found%contact(k)
+            end do
          end associate
       end do
-      order = ascending(self%instant)
-      self%instant = self%instant(order)
-      self%mesh = self%mesh(order)
-      self%contact = self%contact(order)
+      order(:n) = ascending(instant(:n))
+      self%instant = instant(order(:n))
+      self%mesh = mesh(order(:n))
+      self%contact = contact(order(:n))
    end subroutine collect_events
 
    !> Multiplies the piece that ends at `time` onto the product, checks its determinant and begins the next.

@@ -64,6 +64,9 @@ module geartrain_input_new_case
       "   error_cos           = 3e-6                 ! m, transmission error, half of peak to peak, in phase with stiffness", &
       "/", &
       "", &
+      "! Planetary sets, clutches and splines, gears on bearings: &planetary, &coupling and &bearing, as in the project's files", &
+      "! namelists/planetary.nml, namelists/clutch.nml and namelists/bearings.nml.", &
+      "", &
       "! Analyses; a group that is left out is not computed.", &
       "&modes", &
       "/                                             ! natural frequencies and mode shapes", &

@@ -16,7 +16,6 @@ module geartrain_trace_hidden_changes
    use geartrain_trace_points, only: motion_of
    use geartrain_trace_stability_changes, only: doubling, find_multipliers, largest_multiplier, neimark_sacker, outside, &
       piece_type, separate
-   use geartrain_trace_step_geometry, only: arc_length
    implicit none (type, external)
    private
    public :: add_hidden_changes
@@ -82,7 +81,10 @@ contains
       ! The step was looked at before, as where a run was interrupted.
       if (any(branch%special_points%point == i .and. (branch%special_points%kind == 'period doubling' .or. &
                                                       branch%special_points%kind == 'neimark-sacker'))) return
-      call prepare_piece()
+      apart = 0
+      do k = -1, 1
+         if (known(k) .and. known(k + 1)) apart(k) = branch%arclength(i + k + 1) - branch%arclength(i + k)
+      end do
       do kind = doubling, neimark_sacker
          ! Next to a fold a multiplier passes 1, which is no change of these kinds.
          if (changed(kind) /= 0) cycle
@@ -105,26 +107,6 @@ contains
 
    contains
 
-      !> Finds the ends of the step and the distances of the points.
-      subroutine prepare_piece()
-         type(solution_point_type) :: points(-1:2)
-         integer :: j
-
-         do j = -1, 2
-            if (known(j)) points(j) = solution_on(corrector%balance, motion_of(branch, i + j))
-         end do
-         apart = 0
-         do j = -1, 1
-            if (known(j) .and. known(j + 1)) apart(j) = corrector%length_of(points(j + 1)%u - points(j)%u, &
-               points(j + 1)%frequency_ratio - points(j)%frequency_ratio)
-         end do
-         piece%length = apart(0)
-         piece%start = branch%arclength(i)
-         piece%here = points(0)
-         piece%next = points(1)
-         if (allocated(chord%tangent)) deallocate (chord%tangent)
-      end subroutine prepare_piece
-
       subroutine begin_samples()
          samples%taken = 0
          if (f(-1) > none) call samples%insert(-apart(-1), f(-1))
@@ -144,7 +126,6 @@ contains
 
          found = .false.
          call orient_ends()
-         samples%at = samples%at*(piece%length/apart(0))
          do n = 1, most_places
             call samples%highest(piece%length, s, peak)
             call find_multipliers(corrector, monodromy, piece, 0.0_dp, piece%length, .true., s, solution, between, success)
@@ -163,14 +144,17 @@ contains
          end do
       end subroutine look
 
-      !> Finds the tangents at the ends of the step and its length along the branch.
+      !> Finds the ends of the step with their tangents.
       subroutine orient_ends()
          if (allocated(chord%tangent)) return
+         piece%here = solution_on(corrector%balance, motion_of(branch, i))
+         piece%next = solution_on(corrector%balance, motion_of(branch, i + 1))
+         piece%start = branch%arclength(i)
+         piece%length = apart(0)
          chord%tangent = (piece%next%u - piece%here%u)/piece%length
          chord%tangent_frequency = (piece%next%frequency_ratio - piece%here%frequency_ratio)/piece%length
          call orient(piece%here)
          call orient(piece%next)
-         piece%length = arc_length(piece%here, piece%next, corrector%units)
       end subroutine orient_ends
 
       !> Solves an end of the step, for its tangent along the step. Where Newton's method fails the tangent is the chord.
