@@ -8,7 +8,7 @@ module geartrain_balance_balanced_torque
    use geartrain_network_receptance, only: amplitude_at, linear_displacements
    implicit none (type, external)
    private
-   public :: find_shaft_torques, mean_forces, shaft_coefficients
+   public :: element_forces, find_shaft_torques, mean_forces, shaft_coefficients
 
 contains
 
@@ -24,10 +24,11 @@ contains
       real(dp), intent(out) :: mean(:), minimum(:), maximum(:)
       !> Root mean square without the mean.
       real(dp), intent(out) :: ac(:)
-      real(dp) :: coefficients(balance%block, size(mean))
+      real(dp) :: coefficients(balance%block, size(mean)), force(balance%block, balance%system%elements)
       integer :: s
 
-      call shaft_coefficients(balance, coefficients)
+      call element_forces(balance, force)
+      call shaft_coefficients(balance, force, coefficients)
       mean = coefficients(1, :)
       ac = sqrt(sum(coefficients(2:, :)**2, 1)/2)
       do s = 1, size(mean)
@@ -60,25 +61,17 @@ contains
       end associate
    end subroutine mean_forces
 
-   !> Finds mean, cos and sin of each carried harmonic of the torque of each shaft [N m], (block, shaft).
-   pure subroutine shaft_coefficients(balance, coefficients)
+   !> Finds mean, cos and sin of each carried harmonic of phi of every element [1].
+   pure subroutine element_forces(balance, force)
       !> The balance, last evaluated at the motion.
       type(balance_type), intent(in) :: balance
-      !> The coefficients.
-      real(dp), intent(out) :: coefficients(:, :)
-      real(dp) :: force(balance%system%elements)
-      complex(dp) :: amplitude(balance%system%elements), total
-      integer :: i, k, n, s
+      !> The coefficients, (block, element).
+      real(dp), intent(out) :: force(:, :)
+      complex(dp) :: amplitude(balance%system%elements)
+      integer :: k
 
-      associate (system => balance%system, paths => balance%system%torque_paths)
-         call mean_forces(balance, force)
-         do s = 1, paths%rows
-            coefficients(1, s) = paths%constant(s)
-            do i = paths%first(s), paths%first(s + 1) - 1
-               n = paths%element(i)
-               coefficients(1, s) = coefficients(1, s) + paths%gain(i)*system%stiffness(n)*system%characteristic_length*force(n)
-            end do
-         end do
+      call mean_forces(balance, force(1, :))
+      associate (system => balance%system)
          do k = 1, size(balance%harmonic)
             associate (r => balance%harmonic(k))
                amplitude = 0
@@ -86,18 +79,41 @@ contains
                                          cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitude)
                amplitude = cmplx(system%spring, r*balance%frequency_ratio/balance%eta*system%damping, dp)*amplitude
                amplitude(system%cut%element) = cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp)
-               do s = 1, paths%rows
-                  total = 0
-                  do i = paths%first(s), paths%first(s + 1) - 1
-                     n = paths%element(i)
-                     total = total + paths%gain(i)*system%stiffness(n)*amplitude(n)
-                  end do
-                  do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
-                     total = total + paths%torque_gain(i)*amplitude_at(system%torque(paths%torque(i)), r, balance%eta)
-                  end do
-                  coefficients(2*k:2*k + 1, s) = system%characteristic_length*[total%re, -total%im]
-               end do
+               force(2*k, :) = amplitude%re
+               force(2*k + 1, :) = -amplitude%im
             end associate
+         end do
+      end associate
+   end subroutine element_forces
+
+   !> Finds the torque of each shaft [N m] and the forces of bearings [N] from the forces of the elements.
+   pure subroutine shaft_coefficients(balance, force, coefficients)
+      !> The balance, last evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> Mean, cos and sin of each carried harmonic of phi of every element [1], (block, element).
+      real(dp), intent(in) :: force(:, :)
+      !> The same of each row of the torque paths, or of the first ones, (block, row).
+      real(dp), intent(out) :: coefficients(:, :)
+      complex(dp) :: total
+      integer :: i, k, n, s
+
+      associate (system => balance%system, paths => balance%system%torque_paths)
+         do s = 1, size(coefficients, 2)
+            coefficients(:, s) = 0
+            coefficients(1, s) = paths%constant(s)
+            do i = paths%first(s), paths%first(s + 1) - 1
+               n = paths%element(i)
+               coefficients(:, s) = coefficients(:, s) + paths%gain(i)*system%stiffness(n)*system%characteristic_length*force(:, n)
+            end do
+            do k = 1, size(balance%harmonic)
+               total = 0
+               do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
+                  total = total + paths%torque_gain(i)*amplitude_at(system%torque(paths%torque(i)), balance%harmonic(k), &
+                                                                    balance%eta)
+               end do
+               coefficients(2*k, s) = coefficients(2*k, s) + system%characteristic_length*total%re
+               coefficients(2*k + 1, s) = coefficients(2*k + 1, s) - system%characteristic_length*total%im
+            end do
          end do
       end associate
    end subroutine shaft_coefficients

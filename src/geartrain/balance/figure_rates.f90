@@ -3,7 +3,7 @@
 module geartrain_balance_figure_rates
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_balance_balance, only: balance_type
-   use geartrain_balance_balanced_torque, only: shaft_coefficients
+   use geartrain_balance_balanced_torque, only: element_forces, shaft_coefficients
    use geartrain_balance_extreme_places, only: agreed, find_places, most_places, place_type, rate_at
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_fftw, only: transform_type
@@ -81,9 +81,12 @@ contains
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: u(:, :)
       real(dp), intent(out) :: coefficients(:, :)
+      real(dp), allocatable :: force(:, :)
 
       if (self%of_shafts) then
-         call shaft_coefficients(balance, coefficients)
+         allocate (force(balance%block, balance%system%elements))
+         call element_forces(balance, force)
+         call shaft_coefficients(balance, force, coefficients)
       else
          call balance%full_coefficients(u, coefficients)
       end if

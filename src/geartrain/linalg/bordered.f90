@@ -93,7 +93,10 @@ contains
       info = 0
       self%orientation = 1
       associate (graph => self%graph, nodes => self%graph%nodes, slots => self%graph%slots)
-         if (nodes == 0) return
+         if (nodes == 0) then
+            if (self%corner < 0) self%orientation = -1
+            return
+         end if
          do s = 1, size(graph%fill)
             self%entry(:, :, graph%fill(s)) = 0
          end do

@@ -1,15 +1,19 @@
 !> Where resonances lie that are narrower than a step: the tangents at both of its ends know nothing of them.
 !>
-!> Where teeth stay in contact harmonic h of the motion has a resonance at eta omega_n/h = Lambda, whose half width is zeta_n
-!> Lambda. Over a parameter the natural frequencies omega_n are known at some values of it, and between them by the secant. Of a
-!> large train the modes are not known beforehand: those within a step are counted, where one of them may be narrow enough.
+!> Where teeth stay in contact harmonic h of the motion has a resonance where h Lambda/eta is the damped frequency of a mode, whose
+!> half width is eta/h times the rate at which the mode decays. Both follow from the eigenvalues of the linear train: heavy damping
+!> of one mode moves others by more than they are wide. Over a parameter they are known at some of its values, which bracket the
+!> resonances. Of a large train the modes are not known beforehand: those within a step are counted, where one of them may be narrow
+!> enough; their undamped frequencies are taken.
 module geartrain_trace_narrow_resonances
    use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: dp
+   use geartrain_base_sorting, only: ascending
+   use geartrain_linalg_eigenvalues, only: find_eigenvalues
    use geartrain_linalg_graph, only: factor_scalars, solve_scalars
-   use geartrain_network_natural_modes, only: stiffness_at_rest
+   use geartrain_network_natural_modes, only: state_matrix, stiffness_at_rest
    use geartrain_network_system, only: system_type
-   use geartrain_network_system_spectrum, only: count_above, eigenvalues_of, enclose, make_pencil, pencil_type
+   use geartrain_network_system_spectrum, only: count_above, enclose, make_pencil, pencil_type
    implicit none (type, external)
    private
    public :: narrow_resonances_type
@@ -18,22 +22,32 @@ module geartrain_trace_narrow_resonances
    !> the secant.
    integer, parameter :: most_elements = 64, parts = 32, most_steps = 12
    !> Width of a resonance that its points show, over its half width; accuracy of its place, over its half width [1].
-   real(dp), parameter :: shown = 4, accuracy = 0.1_dp
+   real(dp), parameter :: shown = 2, accuracy = 0.1_dp
+   !> Half width over the length of a step from which on the ends show the peak to 2 % [1].
+   real(dp), parameter :: wide = 2.5_dp
    !> Least damping ratio [1]: no step is made shorter than the resonance of such a mode.
    real(dp), parameter :: least_ratio = 1e-6_dp
    !> Solutions with a matrix next to singular that lead to a mode, and how near it is, relative [1].
    integer, parameter :: inverse_steps = 3
    real(dp), parameter :: beside = 1e-7_dp
 
+   !> Resonances of a harmonic, place and half width of each.
+   type :: list_type
+      integer :: harmonic = 0
+      real(dp), allocatable :: at(:), half_width(:)
+   end type list_type
+
    type :: narrow_resonances_type
-      !> Number of modes known, 0 of a large train; -1: not known yet.
-      integer :: modes = -1
+      !> The modes are known.
+      logical :: known = .false.
       !> Resonances found by `find`: how many, place of each, and half width.
       integer :: number = 0
       real(dp), allocatable :: at(:), half_width(:)
-      !> Natural frequency over the characteristic frequency and damping ratio [1], (mode, value), where the parameter has the
-      !> values, (value); over Lambda there is one.
-      real(dp), allocatable, private :: frequency(:, :), ratio(:, :), value(:)
+      !> Damped frequency and rate of decay over the characteristic frequency [1], (mode, value), ascending, 0 of an overdamped
+      !> mode, where the parameter has the values, (value); over Lambda there is one.
+      real(dp), allocatable, private :: frequency(:, :), decay(:, :), value(:)
+      !> Lists of the harmonics asked for so far.
+      type(list_type), allocatable, private :: list(:)
       !> Of a large train stiffness and inertia, stiffness of each element at rest over its mean stiffness [1], (element), and a
       !> damping ratio over omega that no mode is below [1].
       type(pencil_type), allocatable, private :: pencil
@@ -42,7 +56,8 @@ module geartrain_trace_narrow_resonances
    contains
       procedure :: setup
       procedure :: find
-      procedure, private :: locate
+      procedure :: any_near
+      procedure, private :: find_list
       procedure, private :: find_in_large
    end type narrow_resonances_type
 
@@ -56,8 +71,8 @@ contains
       type(system_type) :: system
       integer :: k
 
-      self%modes = 0
-      allocate (self%at(balance%system%displacements), self%half_width(balance%system%displacements))
+      self%known = .true.
+      allocate (self%at(balance%system%displacements), self%half_width(balance%system%displacements), self%list(0))
       if (balance%system%elements > most_elements) then
          if (allocated(balance%path)) return
          self%factor = stiffness_at_rest(balance%system)
@@ -67,59 +82,118 @@ contains
          self%least = minval(balance%system%damping, self%factor > 0)/2
          return
       end if
-      self%modes = balance%system%displacements
       self%value = [0.0_dp]
       if (allocated(balance%path)) self%value = balance%path%low + (balance%path%high - balance%path%low)*[(k, k=0, parts)]/parts
-      allocate (self%frequency(self%modes, size(self%value)), self%ratio(self%modes, size(self%value)))
+      allocate (self%frequency(balance%system%coordinates, size(self%value)))
+      allocate (self%decay, mold=self%frequency)
       if (.not. allocated(balance%path)) then
-         call find_modes(balance%system, self%frequency(:, 1), self%ratio(:, 1))
+         call find_modes(balance%system, self%frequency(:, 1), self%decay(:, 1))
          return
       end if
       do k = 1, size(self%value)
          call balance%path%system_at(self%value(k), system)
-         call find_modes(system, self%frequency(:, k), self%ratio(:, k))
+         call find_modes(system, self%frequency(:, k), self%decay(:, k))
       end do
    end subroutine setup
 
    !> Finds the resonances of a harmonic within a step that are narrower than the step.
-   subroutine find(self, balance, harmonic, ends, widest)
+   subroutine find(self, balance, harmonic, ends)
       class(narrow_resonances_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       !> Number of the harmonic of Lambda/eta.
       integer, intent(in) :: harmonic
-      !> Lambda, or the parameter, at both ends of the step; half width from which on a resonance does not matter.
-      real(dp), intent(in) :: ends(2), widest
-      logical :: found
-      integer :: mode
+      !> Lambda, or the parameter, at both ends of the step.
+      real(dp), intent(in) :: ends(2)
+      integer :: n
 
       self%number = 0
-      if (allocated(self%pencil)) call self%find_in_large(balance, harmonic, ends, widest)
-      do mode = 1, self%modes
-         associate (n => self%number + 1)
-            call self%locate(balance, mode, harmonic, ends, self%at(n), self%half_width(n), found)
-            if (found) found = self%half_width(n) < widest
-         end associate
-         if (found) self%number = self%number + 1
-      end do
+      if (allocated(self%pencil)) call self%find_in_large(balance, harmonic, ends)
+      if (.not. allocated(self%value)) return
+      call self%find_list(balance, harmonic, n)
+      associate (list => self%list(n))
+         self%number = count(is_within(ends, list%at, list%half_width))
+         self%at = pack(list%at, is_within(ends, list%at, list%half_width))
+         self%half_width = pack(list%half_width, is_within(ends, list%at, list%half_width))
+      end associate
    end subroutine find
 
+   !> Whether a resonance of a harmonic may have its peak within a step, and higher than at the ends; of a large train it is not
+   !> known.
+   logical function any_near(self, balance, harmonic, ends) result(near)
+      class(narrow_resonances_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      !> Number of the harmonic of Lambda/eta.
+      integer, intent(in) :: harmonic
+      !> Lambda, or the parameter, at both ends of the step.
+      real(dp), intent(in) :: ends(2)
+      integer :: n
+
+      near = .false.
+      if (.not. self%known) call self%setup(balance)
+      if (.not. allocated(self%value)) return
+      call self%find_list(balance, harmonic, n)
+      associate (list => self%list(n))
+         near = any(list%at + list%half_width/2 > minval(ends) .and. list%at - list%half_width/2 < maxval(ends) .and. &
+                    list%half_width < wide*abs(ends(2) - ends(1)))
+      end associate
+   end function any_near
+
+   !> Finds the list of a harmonic.
+   subroutine find_list(self, balance, harmonic, n)
+      class(narrow_resonances_type), intent(inout) :: self
+      type(balance_type), intent(in) :: balance
+      integer, intent(in) :: harmonic
+      !> Its number.
+      integer, intent(out) :: n
+      type(list_type), allocatable :: lists(:)
+      real(dp) :: at, half_width
+      integer :: k, mode
+
+      do n = 1, size(self%list)
+         if (self%list(n)%harmonic == harmonic) return
+      end do
+      allocate (lists(n))
+      lists(:n - 1) = self%list
+      lists(n)%harmonic = harmonic
+      associate (factor => real(balance%eta, dp)/harmonic, list => lists(n))
+         if (size(self%value) == 1) then
+            list%at = factor*pack(self%frequency(:, 1), self%frequency(:, 1) > 0)
+            list%half_width = factor*pack(self%decay(:, 1), self%frequency(:, 1) > 0)
+         else
+            list%at = [real(dp) ::]
+            list%half_width = [real(dp) ::]
+            associate (resonant => balance%path%frequency_ratio/factor, f => self%frequency)
+               do k = 1, parts
+                  do mode = 1, size(f, 1)
+                     if ((f(mode, k) < resonant) .eqv. (f(mode, k + 1) < resonant)) cycle
+                     call locate(balance, mode, resonant, self%value(k:k + 1), f(mode, k:k + 1) - resonant, at, half_width)
+                     list%at = [list%at, at]
+                     list%half_width = [list%half_width, half_width]
+                  end do
+               end do
+            end associate
+         end if
+      end associate
+      call move_alloc(lists, self%list)
+   end subroutine find_list
+
    !> Finds the resonances of a large train: its modes between two frequencies, one by one.
-   subroutine find_in_large(self, balance, harmonic, ends, widest)
+   subroutine find_in_large(self, balance, harmonic, ends)
       class(narrow_resonances_type), intent(inout) :: self
       !> As of `find`.
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: harmonic
-      real(dp), intent(in) :: ends(2), widest
+      real(dp), intent(in) :: ends(2)
       real(dp) :: below, above, omega(2), frequency, ratio
       integer :: n
 
       omega = [minval(ends), maxval(ends)]*harmonic/balance%eta
-      if (least_width() >= min(widest, abs(ends(2) - ends(1))/shown)) return
+      if (least_width() >= abs(ends(2) - ends(1))/shown) return
       do n = count_above(self%pencil, omega(2)**2) + 1, count_above(self%pencil, omega(1)**2)
          call enclose(self%pencil, n, omega(1)**2, omega(2)**2, below, above)
          call find_mode(balance%system, self%pencil, self%factor, above, frequency, ratio)
          associate (at => balance%eta*frequency/harmonic)
-            if (.not. (is_within(ends, at, ratio*at) .and. ratio*at < widest)) cycle
+            if (.not. all(is_within(ends, [at], [ratio*at]))) cycle
             self%number = self%number + 1
             self%at(self%number) = at
             self%half_width(self%number) = ratio*at
@@ -135,58 +209,30 @@ contains
 
    end subroutine find_in_large
 
-   !> Finds the resonance of a mode and a harmonic within a step; `found` only if it is narrower than the step.
-   subroutine locate(self, balance, mode, harmonic, ends, at, half_width, found)
-      class(narrow_resonances_type), intent(in) :: self
+   !> Finds the resonance over a parameter between two values of it.
+   subroutine locate(balance, mode, resonant, ends, off, at, half_width)
       type(balance_type), intent(in) :: balance
-      !> Numbers of the mode and of the harmonic of Lambda/eta.
-      integer, intent(in) :: mode, harmonic
-      !> Lambda, or the parameter, at both ends of the step.
-      real(dp), intent(in) :: ends(2)
+      !> Number of the mode; frequency in resonance over the characteristic frequency [1].
+      integer, intent(in) :: mode
+      real(dp), intent(in) :: resonant
+      !> The values, and the frequency of the mode there less the one in resonance, of different signs.
+      real(dp), intent(in) :: ends(2), off(2)
       !> Place and half width of the resonance.
       real(dp), intent(out) :: at, half_width
-      !> There is one within the step, and it is narrower.
-      logical, intent(out) :: found
-
-      if (allocated(balance%path)) then
-         call locate_on_path(self, balance, mode, harmonic, ends, at, half_width, found)
-         return
-      end if
-      at = balance%eta*self%frequency(mode, 1)/harmonic
-      half_width = self%ratio(mode, 1)*at
-      found = is_within(ends, at, half_width)
-   end subroutine locate
-
-   !> Finds the resonance over a parameter.
-   subroutine locate_on_path(self, balance, mode, harmonic, ends, at, half_width, found)
-      class(narrow_resonances_type), intent(in) :: self
-      !> As of `locate`.
-      type(balance_type), intent(in) :: balance
-      integer, intent(in) :: mode, harmonic
-      real(dp), intent(in) :: ends(2)
-      real(dp), intent(out) :: at, half_width
-      logical, intent(out) :: found
       type(system_type) :: system
-      real(dp), dimension(self%modes) :: frequency, ratio
-      real(dp) :: x(2), y(2), resonant, slope
+      real(dp), dimension(balance%system%coordinates) :: frequency, decay
+      real(dp) :: x(2), y(2)
       integer :: i, last, side
 
-      at = ends(1)
-      half_width = 0
-      resonant = balance%path%frequency_ratio*harmonic/balance%eta
       x = ends
-      y = [(at_value(ends(i)) - resonant, i=1, 2)]
-      found = (y(1) < 0) .neqv. (y(2) < 0)
-      if (.not. found) return
-      slope = abs(y(2) - y(1))/abs(x(2) - x(1))
+      y = off
       last = 0
       do i = 1, most_steps
          at = x(1) - y(1)*(x(2) - x(1))/(y(2) - y(1))
          call balance%path%system_at(at, system)
-         call find_modes(system, frequency, ratio)
-         half_width = ratio(mode)*resonant/slope
-         found = is_within(ends, at, half_width)
-         if (.not. found .or. abs(frequency(mode) - resonant) <= accuracy*ratio(mode)*resonant) return
+         call find_modes(system, frequency, decay)
+         half_width = decay(mode)*abs(ends(2) - ends(1))/abs(off(2) - off(1))
+         if (abs(frequency(mode) - resonant) <= accuracy*decay(mode)) return
          ! The other end counts by half where this one moves again (Illinois).
          side = merge(1, 2, (frequency(mode) < resonant) .eqv. (y(1) < 0))
          x(side) = at
@@ -194,42 +240,38 @@ contains
          if (side == last) y(3 - side) = y(3 - side)/2
          last = side
       end do
-
-   contains
-
-      !> Natural frequency at a value of the parameter, about.
-      pure real(dp) function at_value(value)
-         real(dp), intent(in) :: value
-         integer :: k
-
-         k = max(1, min(count(self%value <= value), size(self%value) - 1))
-         associate (v => self%value(k:k + 1), f => self%frequency(mode, k:k + 1))
-            at_value = f(1) + (value - v(1))*(f(2) - f(1))/(v(2) - v(1))
-         end associate
-      end function at_value
-
-   end subroutine locate_on_path
+   end subroutine locate
 
    !> Whether a resonance is within a step and narrower.
-   pure logical function is_within(ends, at, half_width)
-      real(dp), intent(in) :: ends(2), at, half_width
+   pure function is_within(ends, at, half_width)
+      real(dp), intent(in) :: ends(2), at(:), half_width(:)
+      logical :: is_within(size(at))
 
       is_within = at > minval(ends) .and. at < maxval(ends) .and. abs(ends(2) - ends(1)) > shown*half_width
    end function is_within
 
-   !> Natural frequencies over the characteristic frequency, ascending, 0 where LAPACK does not converge, and damping ratios by the
-   !> diagonal of the modal damping matrix, at least `least_ratio` [1].
-   subroutine find_modes(system, frequency, ratio)
+   !> Damped frequencies over the characteristic frequency, ascending after a 0 for each overdamped mode, and rates of decay, at
+   !> least `least_ratio` of the frequency [1]; 0 where the eigenvalues are not found.
+   subroutine find_modes(system, frequency, decay)
       type(system_type), intent(in) :: system
       !> By mode.
-      real(dp), intent(out) :: frequency(:), ratio(:)
-      real(dp) :: vector(system%elements, size(frequency))
-      integer :: i, info
+      real(dp), intent(out) :: frequency(:), decay(:)
+      real(dp) :: matrix(system%states, system%states)
+      complex(dp) :: value(system%states)
+      integer :: info, n
 
-      call eigenvalues_of(system, stiffness_at_rest(system), frequency, info, vector)
-      frequency = merge(sqrt(max(frequency, 0.0_dp)), 0.0_dp, info == 0)
-      ! The squares of an eigenvector are the shares of the elements in the strain energy.
-      ratio = [(max(least_ratio, frequency(i)/2*sum(vector(:, i)**2*system%damping)), i=1, size(frequency))]
+      frequency = 0
+      decay = 0
+      matrix = state_matrix(system)
+      call find_eigenvalues(system%states, matrix, value, info)
+      if (info /= 0) return
+      value = pack(value, value%im > 0, [(cmplx(0, 0, dp), n=1, system%states)])
+      n = count(value%im > 0)
+      value(:n) = value(ascending(value(:n)%im))
+      associate (first => size(frequency) - n + 1)
+         frequency(first:) = value(:n)%im
+         decay(first:) = max(-value(:n)%re, least_ratio*value(:n)%im)
+      end associate
    end subroutine find_modes
 
    !> A mode whose eigenvalue is next to a number, by solutions with a matrix next to singular.

@@ -14,7 +14,7 @@ module geartrain_trace_step_extremes
    use geartrain_trace_step_geometry, only: arc_length, go_along
    implicit none (type, external)
    private
-   public :: cut_at_extreme, quantities_type
+   public :: cut_at_extreme, quantities_type, solve_within
 
    !> Least distance of a point from the ends of a step, as a share of the step: an end may be the extreme itself.
    real(dp), parameter :: off_ends = 1e-3_dp
@@ -174,7 +174,7 @@ contains
             share = highest_share(y, slope)
             if (share < off_ends .or. share > 1 - off_ends) cycle
             if (value_on(y, slope, share) < -near*(value_on(y, slope, share) - minval(y))) cycle
-            call solve_at(corrector, transform, here, next, share, point, at_point, success)
+            call solve_within(corrector, transform, here, next, share, point, at_point, success)
             if (.not. success) cycle
             if (sense*at_point%depth(j, k) <= 0) cycle
             next = point
@@ -230,7 +230,7 @@ contains
       fa = at_here%rms_slope(mesh)
       fb = at_next%rms_slope(mesh)
       do i = 1, most_places
-         call solve_at(corrector, transform, first, last, share, point, at_point, cut)
+         call solve_within(corrector, transform, first, last, share, point, at_point, cut)
          if (.not. cut) return
          if (.not. turns .or. abs(at_point%rms_slope(mesh)) < enough) exit
          known(:, 1) = known(:, 2)
@@ -286,12 +286,17 @@ contains
    end function peak_share
 
    !> Solves the balance at a share of a step, where the cubic leads.
-   subroutine solve_at(corrector, transform, first, last, share, point, at_point, success)
+   subroutine solve_within(corrector, transform, first, last, share, point, at_point, success)
       type(corrector_type), intent(inout) :: corrector
+      !> Work space.
       type(transform_type), intent(inout) :: transform
+      !> Ends of the step.
       type(solution_point_type), intent(in) :: first, last
+      !> The share.
       real(dp), intent(in) :: share
+      !> The solution.
       type(solution_point_type), intent(inout) :: point
+      !> Quantities of the meshes there.
       type(quantities_type), intent(inout) :: at_point
       !> Newton's method has converged next to the cubic.
       logical, intent(out) :: success
@@ -304,6 +309,6 @@ contains
       if (success) success = corrector%length_of(point%u - guess%u, point%frequency_ratio - guess%frequency_ratio) &
                              < off_cubic*arc_length(first, last, corrector%units)
       if (success) call at_point%find(corrector, transform, point)
-   end subroutine solve_at
+   end subroutine solve_within
 
 end module geartrain_trace_step_extremes

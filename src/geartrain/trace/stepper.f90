@@ -1,19 +1,17 @@
 !> Steps along a branch, from a solution point to the next, and the points recorded: what a trace is made of.
 module geartrain_trace_stepper
-   use geartrain_balance_balanced_torque, only: shaft_coefficients
-   use geartrain_balance_tail_harmonics, only: tail_harmonics
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_words, only: operator(//)
    use geartrain_linalg_cubic, only: share_at
-   use geartrain_trace_adaptive_corrector, only: adaptive_corrector_type
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_corrector, only: solution_point_type
-   use geartrain_trace_narrow_resonances, only: narrow_resonances_type
+   use geartrain_trace_reading_extremes, only: cut_at_reading, values_type
    use geartrain_trace_recorder, only: recorder_type
+   use geartrain_trace_resonance_stepper, only: resonance_stepper_type
    use geartrain_trace_step_extremes, only: cut_at_extreme, quantities_type
    use geartrain_trace_step_geometry, only: arc_length, cosine, cosine_limit, go_along, hides_folds
-   use geartrain_trace_step_length, only: acceptable, carries_same, crosses_branch, curve_error, curve_limit, jump_step, &
+   use geartrain_trace_step_length, only: acceptable, carries_same, crosses_branch, curve_error, jump_step, &
       next_step, predict
    implicit none (type, external)
    private
@@ -24,20 +22,11 @@ module geartrain_trace_stepper
    !> Number of steps one after another whose end is not found with the harmonics that the tolerance needs, after which ends are
    !> kept with fewer, as points that miss the tolerance, until more are found again.
    integer, parameter :: most_refusals = 3
-   !> Distance from the cubic through the ends of a step at which it passes a resonance unseen, over the limit of a cubic [1].
-   real(dp), parameter :: off_cubic = 5
-   !> Distance from the cubic over the motion at the ends of the step from which on a resonance stands out of it; least share of the
-   !> distance above that matters [1].
-   real(dp), parameter :: visible = 0.1_dp, hidden = 0.01_dp
-   !> Least alternating torque of a shaft that counts, over the largest mean of all [1].
-   real(dp), parameter :: felt = 1e-4_dp
    !> Relative error of a mesh over the tolerance above which `ended` names the mesh.
    real(dp), parameter :: named_from = 3
 
-   type, extends(adaptive_corrector_type) :: stepper_type
+   type, extends(resonance_stepper_type) :: stepper_type
       type(recorder_type) :: recorder
-      !> Resonances that a step may be wider than.
-      type(narrow_resonances_type) :: resonances
       !> The branch is shown: its points must have what is read off it, and their errors. Else it only leads to its end.
       logical :: shows = .true.
       !> Number of the segment of the branch that is traced.
@@ -52,8 +41,11 @@ module geartrain_trace_stepper
       !> Quantities of the meshes at the solution point of the latest `read`, and the evaluations of the balance until then.
       type(quantities_type) :: quantities
       integer, private :: read_at = -1
+      !> Forces and torques where they were looked at latest.
+      type(values_type), private :: readings
    contains
-      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at, adapt_end, passes_resonance, tell_missed
+      procedure, private :: cut_at_other_readings
+      procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at, adapt_end, tell_missed
    end type stepper_type
 
 contains
@@ -128,8 +120,32 @@ contains
       cut = .false.
       call self%read(next)
       if (self%shows) call cut_at_extreme(self%corrector, self%recorder%transform, here, at_here, next, self%quantities, cut)
+      if (self%shows) call self%cut_at_other_readings(here, next, cut)
       self%read_at = self%corrector%evaluations
    end subroutine cut_step
+
+   !> Cuts a step in which a mode is in resonance where the force of a mesh or a bearing, or a torque, is highest.
+   subroutine cut_at_other_readings(self, here, next, cut)
+      class(stepper_type), intent(inout) :: self
+      !> As of `cut_step`.
+      type(solution_point_type), intent(in) :: here
+      type(solution_point_type), intent(inout) :: next
+      logical, intent(inout) :: cut
+      logical :: again, near
+      integer :: k
+
+      if (.not. carries_same(here, next)) return
+      associate (c => self%corrector, ends => [here%frequency_ratio, next%frequency_ratio])
+         near = .false.
+         do k = 1, size(next%harmonic)
+            near = near .or. self%resonances%any_near(c%balance, next%harmonic(k), ends)
+         end do
+         if (.not. near) return
+         call cut_at_reading(c, self%recorder%transform, here, next, self%quantities, &
+                             self%recorder%shaft_torque, self%readings, again)
+         cut = cut .or. again
+      end associate
+   end subroutine cut_at_other_readings
 
    !> Length of a step [1], shortened where a curve of rms drawn over it would miss dips: with sets of harmonics long steps follow a
    !> branch that is nearly straight in its coefficients.
@@ -239,127 +255,6 @@ contains
       success = self%corrector%length_of(next%u - guess%u) < max(h, 1e-8_dp)
       if (success) call self%corrector%orient(next, merge(1, -1, bound > here%frequency_ratio))
    end subroutine stop_at
-
-   !> Whether a step without a fold passes a resonance narrower than itself, at which the branch is off the cubic through its ends.
-   !> The amplitude of a mode over its amplitude in resonance is the half width over the distance from there. So the ends bound the
-   !> motion in between, unless both are next to an antiresonance; for harmonics that they do not carry, its size follows from the
-   !> error estimate at the resonance. It matters where the curve promises as much, or where it stands out of the motion beside it.
-   !> Where teeth part a resonance is as wide as the branch is bent, and the branch is followed through it.
-   logical function passes_resonance(self, here, next, at_torque) result(passes)
-      class(stepper_type), intent(inout) :: self
-      !> The ends, with their tangents.
-      type(solution_point_type), intent(in) :: here, next
-      !> Not passed, but the torque of a shaft has a resonance there, the first in the step that no mesh feels; 0: none.
-      real(dp), intent(out) :: at_torque
-      real(dp) :: limit, off, widest
-      type(solution_point_type) :: guess, solution
-      integer, allocatable :: harmonic(:)
-      !> Torques of shafts at both ends and between, (block, row); not allocated: not known yet.
-      real(dp), allocatable :: torque(:, :, :)
-      integer :: before, h, n
-      logical :: carried, matters, moved, success, with_torques
-
-      passes = .false.
-      at_torque = 0
-      if (.not. carries_same(here, next)) return
-      moved = .false.
-      with_torques = self%recorder%shaft_torque .and. self%corrector%balance%unknowns < self%system%elements
-      associate (c => self%corrector, ends => [here%frequency_ratio, next%frequency_ratio], found => self%resonances)
-         before = c%evaluations
-         if (found%modes < 0) call found%setup(c%balance)
-         harmonic = next%harmonic
-         if (self%settings%harmonics == 0 .and. .not. c%balance%parts()) &
-            harmonic = [harmonic, tail_harmonics(c%balance, next%frequency_ratio)]
-         limit = off_cubic*curve_limit(c, next)
-         limit = min(limit, max(visible*max(swing(here), swing(next)), hidden*limit))
-         do h = 1, size(harmonic)
-            carried = h <= size(next%harmonic)
-            widest = huge(widest)
-            if (carried) widest = max(amplitude(here), amplitude(next))*abs(ends(2) - ends(1))/(limit*c%units%length)
-            if (with_torques) widest = huge(widest)
-            call found%find(c%balance, harmonic(h), ends, widest)
-            do n = 1, found%number
-               associate (at => found%at(n), half_width => found%half_width(n))
-                  matters = .true.
-                  if (carried) matters = max(amplitude(here)*abs(ends(1) - at), amplitude(next)*abs(ends(2) - at)) &
-                                         > half_width*limit*c%units%length
-                  if (.not. (matters .or. with_torques)) cycle
-                  guess = here
-                  call go_along(here, next, share_at(ends, [here%tangent_frequency, next%tangent_frequency] &
-                                                     *arc_length(here, next, c%units), at), c%units, guess)
-                  guess%frequency_ratio = at
-               end associate
-               if (carried .and. with_torques) then
-                  if (torque_stands_out()) then
-                     if (.not. abs(at_torque) > 0 .or. abs(found%at(n) - ends(1)) < abs(at_torque - ends(1))) &
-                        at_torque = found%at(n)
-                  end if
-               end if
-               if (.not. matters) cycle
-               solution = guess
-               call c%solve_at(solution, success)
-               passes = .not. (success .or. c%balance%system%interrupt%raised())
-               if (success) then
-                  off = c%length_of(solution%u - guess%u)
-                  if (.not. carried) then
-                     call self%estimate_error(solution)
-                     off = max(off, self%estimate%limited*norm2(solution%u(2:, :))/c%units%length)
-                  end if
-                  passes = off > limit
-               end if
-               if (passes) return
-            end do
-         end do
-         if (c%evaluations == before .and. .not. moved) return
-         ! The corrector goes back to the end of the step.
-         solution = next
-         call c%correct(solution, success)
-         passes = .not. (success .or. c%balance%system%interrupt%raised())
-      end associate
-
-   contains
-
-      !> Amplitude of the harmonic over characteristic length [1].
-      pure real(dp) function amplitude(solution)
-         type(solution_point_type), intent(in) :: solution
-
-         amplitude = norm2(solution%u(2*h:2*h + 1, :))
-      end function amplitude
-
-      !> Whether the torque of a shaft at the resonance, by the forces of the meshes at `guess`, stands out of that at both ends: of
-      !> a light disc on a shaft of little damping no mesh feels it.
-      logical function torque_stands_out() result(stands_out)
-         real(dp), allocatable :: swings(:, :)
-         integer :: k, s
-
-         if (.not. allocated(torque)) then
-            allocate (torque(self%corrector%balance%block, self%system%torque_paths%rows, 3))
-            call find_torques(here, torque(:, :, 1))
-            call find_torques(next, torque(:, :, 2))
-         end if
-         call find_torques(guess, torque(:, :, 3))
-         moved = .true.
-         swings = reshape([((norm2(torque(2:, s, k)), s=1, size(torque, 2)), k=1, 3)], [size(torque, 2), 3])
-         stands_out = any(swings(:, 3) > (1 + visible)*max(swings(:, 1), swings(:, 2)) &
-                          .and. swings(:, 3) > felt*maxval(abs(torque(1, :, :))) .and. self%system%torque_paths%known)
-      end function torque_stands_out
-
-      subroutine find_torques(solution, coefficients)
-         type(solution_point_type), intent(in) :: solution
-         real(dp), intent(out) :: coefficients(:, :)
-
-         call self%corrector%balance%evaluate(solution%u, solution%frequency_ratio)
-         call shaft_coefficients(self%corrector%balance, coefficients)
-      end subroutine find_torques
-
-      !> Length of the coefficients without the means [1].
-      pure real(dp) function swing(solution)
-         type(solution_point_type), intent(in) :: solution
-
-         swing = norm2(solution%u(2:, :))/sqrt(2.0_dp)/self%corrector%units%length
-      end function swing
-
-   end function passes_resonance
 
    !> Adds to the reason for the end how many points miss the tolerance; a branch whose points all miss it is not complete. Where a
    !> branch is nearly vertical a small error of Lambda is a large error at constant Lambda, which more harmonics hardly reduce.

@@ -75,9 +75,9 @@ contains
       integer, intent(in), optional :: point
       type(solution_point_type) :: next, origin, fold
       type(quantities_type) :: at_here
-      real(dp) :: h, way, longer, shorter, gap, fold_at, off_curve, at_torque
+      real(dp) :: h, way, longer, shorter, gap, fold_at, off_curve, stop
       integer :: steps, before, sense, i, missed
-      logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden
+      logical :: success, keep_going, meets, crosses, at_bound, closing, cut, known, lost, hidden, passes, stops
       type(crossing_type), allocatable :: crossings(:)
       character(:), allocatable :: trouble
 
@@ -125,13 +125,14 @@ contains
             crosses = crosses_branch(here, next)
          end if
          if (success .and. self%shows .and. sense_of(here, self%corrector%units)*sense_of(next, self%corrector%units) > 0) then
-            if (self%passes_resonance(here, next, at_torque)) then
+            call self%pass_resonances(here, next, self%recorder%shaft_torque, passes, stop, stops)
+            if (passes) then
                h = min(h, way)/3
                closing = .false.
                cycle
             end if
-            if (abs(at_torque) > 0 .and. .not. crosses) then
-               call self%stop_at(at_torque, here, next, h, success)
+            if (stops .and. .not. crosses) then
+               call self%stop_at(stop, here, next, h, success)
                way = way_to(here, next, self%corrector%units)
                at_bound = .false.
                closing = .false.
