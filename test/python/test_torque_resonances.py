@@ -1,6 +1,7 @@
 """Torques of shafts at resonances that no point of a response shows by itself, against the linear equations of the train."""
 
-from dataclasses import dataclass, field
+import re
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
@@ -193,6 +194,21 @@ def test_a_range_about_one_resonance(ratio, widths):
     for low, high in ((1, 1), (0.3, 1)):
         hold_against(parts, frequency[place] - low * widths * decay[place], frequency[place] + high * widths * decay[place],
                      harmonics=3)
+
+
+def test_with_dry_friction():
+    """Shooting follows the branch, and does not look for resonances: the report names those between points."""
+    parts = pair(0.057, [1e-6], 2e-5, disc_of=(3e-4, 0.475, 1e-4))
+    train = parts.train()
+    train = replace(train, bodies=[*train.bodies, gt.Body(name="motor", inertia=0.01)],
+                    couplings=[gt.Coupling(between=("motor", "pinion"), stiffness=2e5, damping=2.0, friction_torque=1e-7)])
+    branch = train.response(start=0.22 * NATURAL, stop=1.8 * NATURAL)
+    words = " ".join(branch.report().split())
+    place = re.search(r"not looked for with friction_torque: what is read may be higher near Lambda ([0-9., ]+[0-9])", words)
+    assert place and min(abs(float(word) / NATURAL - 0.475) for word in place[1].split(", ")) < 1e-3
+    about = train.response(start=0.4749 * NATURAL, stop=0.4753 * NATURAL)
+    assert "not looked for" not in about.report()
+    assert read(about)[0][0] > 50 * read(branch)[0][0]
 
 
 def random_parts(seed):
