@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import paper_train, reducer, single_pair
+from conftest import ROOT, paper_train, reducer, single_pair
 
 import geartrain as gt
 
@@ -61,6 +61,20 @@ def test_drawing():
     expected = (changed.natural_frequencies() - train.natural_frequencies()) / 0.00004
     np.testing.assert_allclose(drawn[:, 0], expected, rtol=2e-2, atol=1e-6 * np.abs(drawn[:, 0]).max())
     assert (drawn[:, [1, 2]] >= -1e-12).all() and (drawn[:, 3] <= 1e-9).all()
+
+
+def test_torques_beside_the_reaction_of_a_held_body():
+    """Which is no shaft, though it is found with their torques; against differences."""
+    train = gt.read_case(ROOT / "namelists" / "planetary.nml").train
+
+    def at(inertia):
+        changed = replace(train, bodies=[replace(train.bodies[0], inertia=inertia), *train.bodies[1:]])
+        return changed.response(start=2190.0, stop=2210.0, harmonics=4, stability=False).at(2200.0)[0]
+
+    step = 2e-6
+    expected = (at(0.02 + step).shaft_torque_maximum - at(0.02 - step).shaft_torque_maximum) / (2 * step)
+    found = at(0.02).gradient("shaft_torque_maximum", ["body motor inertia"])
+    np.testing.assert_allclose(found[:, 0], expected, rtol=1e-5)
 
 
 def test_a_saved_branch_keeps_them(branch):
