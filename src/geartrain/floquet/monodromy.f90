@@ -325,10 +325,15 @@ contains
       class(motion_contacts_type), intent(in) :: motion
       real(dp), intent(in) :: period, from, to
       real(dp), intent(in), optional :: shift(:, :)
-      integer, dimension(sum(motion%contact(:motion%unknowns)%events)) :: mesh, contact, order
-      real(dp) :: instant(size(mesh))
+      integer, allocatable :: mesh(:), contact(:), order(:)
+      real(dp), allocatable :: instant(:)
       integer :: i, k, n
 
+      n = 0
+      do i = 1, motion%unknowns
+         n = n + motion%contact(i)%events
+      end do
+      allocate (mesh(n), contact(n), order(n), instant(n))
       n = 0
       do i = 1, motion%unknowns
          associate (found => motion%contact(i))
