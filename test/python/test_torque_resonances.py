@@ -249,7 +249,7 @@ def compare(seeds):
 
 
 def test_random_trains(times):
-    """Where two resonances overlap within a step the ends may show neither: of 1609 readings three are low, by 3 to 7 %."""
+    """Where two resonances overlap within a step the ends may show neither: of 1609 readings two are low, by 3 and 6 %."""
     off, compared = compare(range(times(400)))
     assert compared > times(1200)
     assert len(off) <= compared / 300 and all(abs(ratio - 1) < 0.1 for _, _, ratio in off), off

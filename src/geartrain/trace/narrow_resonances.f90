@@ -25,6 +25,8 @@ module geartrain_trace_narrow_resonances
    real(dp), parameter :: shown = 2, accuracy = 0.1_dp
    !> Half width over the length of a step from which on the ends show the peak to 2 % [1].
    real(dp), parameter :: wide = 2.5_dp
+   !> Distance from an end of a step at which a resonance counts as within, over its half width [1].
+   real(dp), parameter :: at_end = 1e-6_dp
    !> Least damping ratio [1]: no step is made shorter than the resonance of such a mode.
    real(dp), parameter :: least_ratio = 1e-6_dp
    !> Solutions with a matrix next to singular that lead to a mode, and how near it is, relative [1].
@@ -242,12 +244,13 @@ contains
       end do
    end subroutine locate
 
-   !> Whether a resonance is within a step and narrower.
+   !> Whether a resonance is within a step, or at its ends, and narrower.
    pure function is_within(ends, at, half_width)
       real(dp), intent(in) :: ends(2), at(:), half_width(:)
       logical :: is_within(size(at))
 
-      is_within = at > minval(ends) .and. at < maxval(ends) .and. abs(ends(2) - ends(1)) > shown*half_width
+      is_within = at > minval(ends) - at_end*half_width .and. at < maxval(ends) + at_end*half_width .and. &
+                  abs(ends(2) - ends(1)) > shown*half_width
    end function is_within
 
    !> Damped frequencies over the characteristic frequency, ascending after a 0 for each overdamped mode, and rates of decay, at

@@ -21,17 +21,14 @@ module geartrain_trace_resonance_stepper
    real(dp), parameter :: visible = 0.1_dp, hidden = 0.01_dp
    !> Height of a reading above its values at the ends of the step, over them, from which on it stands out [1].
    real(dp), parameter :: stands = 0.02_dp
-   !> Least distance of a stop from the ends of a step, as a share of the step.
-   real(dp), parameter :: off_ends = 1e-6_dp
+   !> Distance from a resonance over its half width at which a point is at it [1].
+   real(dp), parameter :: at_it = 1e-6_dp
 
    type, extends(adaptive_corrector_type) :: resonance_stepper_type
       !> Resonances that a step may be wider than.
       type(narrow_resonances_type) :: resonances
-      !> Lambda, or the parameter, of the stops that the latest resonance asks for and that are not made yet.
-      real(dp), allocatable, private :: stops(:)
    contains
       procedure :: pass_resonances
-      procedure, private :: take_stop
    end type resonance_stepper_type
 
 contains
@@ -53,7 +50,7 @@ contains
       real(dp), intent(out) :: at
       !> It is to end there, before `next`.
       logical, intent(out) :: stops
-      real(dp) :: limit, off, width
+      real(dp) :: limit, off
       type(solution_point_type) :: guess, solution
       integer, allocatable :: harmonic(:)
       !> Readings at both ends and at a resonance, (coefficient, reading, place); not allocated: not known.
@@ -67,8 +64,6 @@ contains
       if (.not. carries_same(here, next)) return
       moved = .false.
       associate (c => self%corrector, ends => [here%frequency_ratio, next%frequency_ratio], found => self%resonances)
-         call self%take_stop(ends, at, stops)
-         if (stops) return
          reads = torques .or. c%balance%unknowns < c%balance%system%meshes
          if (.not. found%known) call found%setup(c%balance)
          harmonic = next%harmonic
@@ -81,6 +76,11 @@ contains
             call found%find(c%balance, harmonic(h), ends)
             do n = 1, found%number
                associate (place => found%at(n), half_width => found%half_width(n))
+                  if (abs(ends(1) - place) < at_it*half_width .or. abs(ends(2) - place) < at_it*half_width) then
+                     ! The peak is met; its other flank is not, unless it is a peak of the motion, which has points beside it.
+                     if (reads .and. carried .and. abs(ends(1) - place) < at_it*half_width) call stop_beside(place, half_width)
+                     cycle
+                  end if
                   matters = .not. carried
                   if (carried) then
                      matters = max(norm2(here%u(2*h:2*h + 1, :))*abs(ends(1) - place), &
@@ -106,21 +106,10 @@ contains
                   end if
                   if (passes) return
                   if (.not. (success .and. reads .and. carried)) cycle
-                  if (.not. stands_out()) cycle
-                  if (stops) then
-                     if (abs(place - ends(1)) > abs(at - ends(1))) cycle
-                  end if
-                  stops = .true.
-                  at = place
-                  width = half_width
+                  if (stands_out()) call stop_beside(place, half_width)
                end associate
             end do
          end do
-         if (stops) then
-            ! The peak and both its flanks.
-            self%stops = at + width*[-1, 0, 1]
-            call self%take_stop(ends, at, stops)
-         end if
          if (.not. moved) return
          ! The corrector goes back to the end of the step.
          solution = next
@@ -129,6 +118,24 @@ contains
       end associate
 
    contains
+
+      !> Lets the step end at the first of the peak and its flanks, unless another resonance lets it end before.
+      subroutine stop_beside(place, half_width)
+         real(dp), intent(in) :: place, half_width
+         real(dp) :: way, ahead
+         integer :: k
+
+         do k = -1, 1
+            ahead = sign(1.0_dp, next%frequency_ratio - here%frequency_ratio)
+            way = (place + k*half_width - here%frequency_ratio)*ahead
+            if (way < at_it*half_width .or. way > abs(next%frequency_ratio - here%frequency_ratio) - at_it*half_width) cycle
+            if (stops) then
+               if (way >= (at - here%frequency_ratio)*ahead) cycle
+            end if
+            stops = .true.
+            at = place + k*half_width
+         end do
+      end subroutine stop_beside
 
       !> Whether the ends allow for a reading that stands out at the resonance.
       logical function may_stand_out() result(may)
@@ -168,29 +175,5 @@ contains
       end function motion
 
    end subroutine pass_resonances
-
-   !> Takes the first stop within a step, if there is one.
-   subroutine take_stop(self, ends, at, stops)
-      class(resonance_stepper_type), intent(inout) :: self
-      !> Lambda, or the parameter, at both ends of the step.
-      real(dp), intent(in) :: ends(2)
-      !> The stop.
-      real(dp), intent(out) :: at
-      logical, intent(out) :: stops
-      logical, allocatable :: within(:)
-      integer :: first
-
-      at = 0
-      stops = .false.
-      if (.not. allocated(self%stops)) return
-      within = abs(self%stops - sum(ends)/2) < (0.5_dp - off_ends)*abs(ends(2) - ends(1))
-      stops = any(within)
-      if (.not. stops) return
-      first = minloc(abs(self%stops - ends(1)), 1, within)
-      at = self%stops(first)
-      within(first) = .false.
-      ! Those on the way before are behind.
-      self%stops = pack(self%stops, within .or. abs(self%stops - ends(1)) > abs(ends(2) - ends(1)))
-   end subroutine take_stop
 
 end module geartrain_trace_resonance_stepper
