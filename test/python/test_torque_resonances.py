@@ -117,7 +117,7 @@ def hold_against(parts, start, stop, exact=None, **settings):
 
 
 def disc(share, natural, ratio, body="wheel"):
-    """A disc of this share of the inertia of a gear on a shaft, by the ratio of its frequency to that of the pair."""
+    """A shaft with a disc: the inertia of the disc over that of a gear, and its frequency over the frequency of the pair."""
     stiffness = share * INERTIA * (natural * NATURAL * SPEED) ** 2
     return body, "disc", stiffness, 2 * ratio * np.sqrt(stiffness / (1 / INERTIA + 1 / (share * INERTIA)))
 

@@ -107,7 +107,7 @@ contains
       type(frequency_text_type), intent(in) :: told
       !> The report.
       type(sheet_type), intent(inout) :: sheet
-      !> Amplitude over that of the motion from which on a harmonic counts [1].
+      !> A harmonic counts where its amplitude over the amplitude of the motion is larger [1].
       real(dp), parameter :: least = 1e-3_dp
       type(modes_type) :: modes
       type(error_type), allocatable :: error

@@ -1,6 +1,6 @@
 !> Parameters of a train by name: 'input_torque', 'shaft 2 stiffness', 'mesh * half_backlash' (of all meshes alike), 'body motor
 !> inertia', 'mesh 1 stiffness_cos 2' (a value of a list) or 'stiffness_variation' (the largest amplitude of kappa, all others in
-!> proportion). Several, separated by commas, take the same value, as the errors of both meshes of a planet do that sits askew.
+!> proportion). Several, separated by commas, take the same value, as the errors of both meshes of a planet that is out of place.
 module geartrain_network_parameter
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_kinds, only: dp
@@ -43,7 +43,8 @@ module geartrain_network_parameter
 
 contains
 
-   !> Finds the parameters of a name: of each part between commas one, or with * those of all groups in which it is in force.
+   !> Finds the parameters of a name. Each part between commas is one parameter; with * it is one of each group in which it is
+   !> in force.
    subroutine find_parameters(train, plain, given, derived, name, parameters, error)
       !> A train that has passed `check_train`, and its plain train.
       type(train_type), intent(in) :: train, plain

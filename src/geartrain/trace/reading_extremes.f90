@@ -124,7 +124,7 @@ contains
       values%least = floors(corrector%balance, readings)
    end subroutine find_values
 
-   !> Whether values are those of a solution point with its tangent.
+   !> Whether values were found at this solution point, with this tangent.
    pure logical function are_of(values, solution)
       type(values_type), intent(in) :: values
       type(solution_point_type), intent(in) :: solution
