@@ -1,19 +1,16 @@
 !> How far a branch can be trusted, in sentences: accuracy, undecided stability, what is missing, and why it ended.
 module geartrain_analyses_branch_quality
-   use geartrain_base_error, only: error_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: counted, significant, text
    use geartrain_base_sheet, only: in_quality, sheet_type
-   use geartrain_network_natural_modes, only: modes_type, natural_modes
    use geartrain_readings_frequency_text, only: frequency_text_type
    use geartrain_readings_range_sentences, only: place_words, range_words, ranges_of_points
    use geartrain_readings_summary, only: band_type, gaps
    use geartrain_trace_branch, only: branch_type, gap_along, response_settings_type
    use geartrain_trace_decided, only: rests_on_undecided
-   use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: say_passed, say_quality
+   public :: say_quality
 
    !> Relative error of the waveform above which a motion counts as inaccurate where the case gives the harmonics [1].
    real(dp), parameter :: usual_tolerance = 1e-3_dp
@@ -95,51 +92,6 @@ contains
       end if
       call sheet%say(in_quality, words//'.')
    end subroutine say_accuracy
-
-   !> Adds the resonances that the points of a train with dry friction may have passed: narrower than the distance of the points
-   !> beside, of orders that the motion has. Its branch is found by shooting, which does not look for them.
-   subroutine say_passed(branch, train, told, sheet)
-      !> A branch over frequency.
-      type(branch_type), intent(in) :: branch
-      !> Its train.
-      type(train_type), intent(in) :: train
-      !> How frequencies are stated.
-      type(frequency_text_type), intent(in) :: told
-      !> The report.
-      type(sheet_type), intent(inout) :: sheet
-      !> A harmonic counts where its amplitude over the amplitude of the motion is larger [1].
-      real(dp), parameter :: least = 1e-3_dp
-      type(modes_type) :: modes
-      type(error_type), allocatable :: error
-      real(dp), allocatable :: places(:)
-      character(:), allocatable :: words
-      real(dp) :: at, above, below
-      integer :: k, mode, order
-
-      call natural_modes(train, modes, error)
-      if (allocated(error)) return
-      allocate (places(0))
-      associate (x => branch%frequency_ratio(:branch%points))
-         do mode = 1, size(modes%natural_frequency)
-            do k = 1, size(branch%orders)
-               order = branch%orders(k)
-               at = branch%subharmonic*modes%natural_frequency(mode)/order
-               if (.not. (any(x < at) .and. any(x > at))) cycle
-               below = maxval(x, x <= at)
-               above = minval(x, x > at)
-               if (2*modes%damping_ratio(mode)*at > above - below) cycle
-               associate (u => branch%coefficients(:, :, minloc(abs(x - at), 1)))
-                  if (norm2(u(2*k:2*k + 1, :)) > least*norm2(u(2:, :))) places = [places, at]
-               end associate
-            end do
-         end do
-      end associate
-      if (size(places) == 0) return
-      call place_words(places, told, sheet%verbose, words)
-      call sheet%say(in_quality, 'Response: resonances narrower than the distance of the motions are not looked for with &
-                                 &friction_torque: what is read may be higher near '//words//'. A response over a narrow range &
-                                 &about one shows it.')
-   end subroutine say_passed
 
    !> Adds how many verdicts on stability are guesses, and the special points that rest on them.
    subroutine say_undecided(branch, name, told, sheet)

@@ -1,7 +1,7 @@
 !> What a report says of a branch of periodic motions: contact, jumps, largest forces and torques, and how far it can be trusted.
 module geartrain_analyses_branch_report
    use geartrain_analyses_branch_details, only: put_details
-   use geartrain_analyses_branch_quality, only: say_passed, say_quality
+   use geartrain_analyses_branch_quality, only: say_quality
    use geartrain_analyses_load_sentences, only: load_sides, unloaded_side
    use geartrain_analyses_mesh_sentences, only: say_meshes
    use geartrain_analyses_torque_table, only: say_reversals, torque_table_type
@@ -9,7 +9,6 @@ module geartrain_analyses_branch_report
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: counted, significant, text
    use geartrain_base_sheet, only: in_head, in_result, sheet_type
-   use geartrain_network_check_coupling, only: has_friction
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_readings_contact_ranges, only: back_collision_ranges, drive_collision_ranges, separation_ranges
    use geartrain_readings_force_remarks, only: find_errors, find_sweeps
@@ -61,7 +60,6 @@ contains
          if (sheet%verbose) call put_details(branch, 'Response', train, told, sheet)
       end if
       call say_quality(branch, count(train%meshes%is_pair()), 'Response', settings, ends, .true., told, sheet)
-      if (has_friction(train) .and. told%parameter == '' .and. branch%points > 0) call say_passed(branch, train, told, sheet)
    end subroutine report_branch
 
    !> Adds the branches that follow from a response and from attractors.

@@ -14,6 +14,7 @@ module geartrain_exact_friction_response
    use geartrain_flow_settling, only: settle
    use geartrain_flow_start_state, only: resting_state
    use geartrain_network_frequency_unit, only: lambda_per
+   use geartrain_network_natural_modes, only: modes_type, natural_modes
    use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_system, only: build_system, system_type
    use geartrain_network_units, only: largest_unit
@@ -62,6 +63,7 @@ contains
          call from_both_ends()
       end if
       call arrange_points(branch, [(i, i=1, branch%points)], branch%points)
+      if (.not. tracer%over_parameter) call note_passed(branch, train)
 
    contains
 
@@ -273,6 +275,46 @@ contains
       end function settings_value
 
    end subroutine friction_response
+
+   !> Adds to the reason for the end the resonances that the points may have passed, since shooting does not look for them: narrower
+   !> than the distance of the points beside, of harmonics that the motion has. Couplings stick there.
+   subroutine note_passed(branch, train)
+      type(branch_type), intent(inout) :: branch
+      type(train_type), intent(in) :: train
+      !> A harmonic counts where its amplitude over the amplitude of the motion is larger [1].
+      real(dp), parameter :: least = 1e-3_dp
+      !> Most places that are named.
+      integer, parameter :: most_named = 4
+      type(modes_type) :: modes
+      type(error_type), allocatable :: error
+      real(dp) :: at, above, below
+      integer :: k, mode, number
+
+      call natural_modes(train, modes, error)
+      if (allocated(error)) return
+      number = 0
+      associate (x => branch%frequency_ratio(:branch%points))
+         do mode = 1, size(modes%natural_frequency)
+            do k = 1, size(branch%orders)
+               at = branch%subharmonic*modes%natural_frequency(mode)/branch%orders(k)
+               if (.not. (any(x < at) .and. any(x > at))) cycle
+               below = maxval(x, x <= at)
+               above = minval(x, x > at)
+               if (2*modes%damping_ratio(mode)*at > above - below) cycle
+               associate (u => branch%coefficients(:, :, minloc(abs(x - at), 1)))
+                  if (norm2(u(2*k:2*k + 1, :)) <= least*norm2(u(2:, :))) cycle
+               end associate
+               number = number + 1
+               if (number == 1) branch%ended = branch%ended//'; resonances narrower than the distance of the motions are not &
+                                               &looked for with friction_torque: what is read may be higher near '
+               if (number > 1 .and. number <= most_named) branch%ended = branch%ended//', '
+               if (number <= most_named) branch%ended = branch%ended//lambda(at)
+            end do
+         end do
+      end associate
+      if (number > most_named) branch%ended = branch%ended//' and '//text(number - most_named)//' more'
+      if (number > 0) branch%ended = branch%ended//', as a response over a narrow range about one shows'
+   end subroutine note_passed
 
    !> Numbers the special points of a branch whose points were reversed.
    subroutine reverse_special_points(branch)

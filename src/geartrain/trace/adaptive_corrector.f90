@@ -10,6 +10,7 @@ module geartrain_trace_adaptive_corrector
    use geartrain_base_numbers, only: text
    use geartrain_trace_branch, only: response_settings_type
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
+   use geartrain_trace_step_geometry, only: sense_of
    use geartrain_network_units, only: largest_drive
    use geartrain_linalg_trigonometric, only: transform_length
    use geartrain_network_natural_modes, only: natural_frequency_ranges
@@ -117,7 +118,7 @@ contains
    end subroutine estimate_error
 
    !> With harmonics = 0: raises the number of harmonics until `solution` is within the tolerance.
-   subroutine adapt(self, solution, success, here, origin, fixed, kept)
+   subroutine adapt(self, solution, success, here, origin, fixed, kept, step_end)
       class(adaptive_corrector_type), intent(inout) :: self
       !> Solution point that was solved last.
       type(solution_point_type), intent(inout) :: solution
@@ -129,14 +130,19 @@ contains
       logical, intent(in), optional :: fixed
       !> Where `success` is false: whether `solution` is solved, as it was.
       logical, intent(out), optional :: kept
+      !> The solution point ends a step from `here`: where Lambda turns within it, the step has a fold also with more harmonics.
+      logical, intent(in), optional :: step_end
       type(solution_point_type) :: before(3)
       integer, allocatable :: first_set(:), larger(:)
       integer :: highest, most, first
       real(dp) :: share
+      logical :: ends_step
 
       success = .true.
       if (present(kept)) kept = .true.
       if (self%settings%harmonics > 0) return
+      ends_step = .false.
+      if (present(step_end)) ends_step = step_end
       first = self%corrector%balance%highest
       first_set = self%corrector%balance%harmonic
       most = most_harmonics(self%system, self%settings%subharmonic, self%settings%repeats)
@@ -166,6 +172,7 @@ contains
          if (present(here)) call self%corrector%refit(here)
          if (present(origin)) call self%corrector%refit(origin)
          call self%solve_again(solution, success, fixed)
+         if (success .and. ends_step) call find_turn(success)
          if (.not. success) exit
       end do
       call self%prepare(first, first_set)
@@ -177,6 +184,19 @@ contains
       success = .false.
 
    contains
+
+      !> Refuses a motion of more harmonics past a fold where the motion of fewer is before it, and a turn between which and `here`
+      !> more harmonics have no fold.
+      subroutine find_turn(success)
+         logical, intent(out) :: success
+         integer :: sense
+
+         sense = sense_of(solution, self%corrector%units)
+         success = sense_of(before(1), self%corrector%units)*sense >= 0
+         if (.not. success .or. sense_of(here, self%corrector%units)*sense >= 0) return
+         call self%corrector%correct(here, success)
+         if (success) call self%solve_again(solution, success, fixed)
+      end subroutine find_turn
 
       !> How many of the carried harmonics a set has.
       pure integer function kept_of(set)
@@ -257,8 +277,9 @@ contains
       call self%corrector%correct(here, success)
       if (success) success = self%corrector%length_of(here%u - guess%u, here%frequency_ratio - guess%frequency_ratio) &
                              < farthest*step
-      if (success .and. self%chooses_sets) then
-         ! Where the branch is steep, a motion of fewer harmonics may lie far away.
+      if (success) then
+         ! Where the branch is steep, a motion of fewer harmonics may lie far away; where it gives a smaller error than it has, the
+         ! next step would lead back to the same point with all of them.
          call self%estimate_error(here)
          success = self%estimate%limited <= self%settings%tolerance
       end if

@@ -13,7 +13,8 @@ module geartrain_trace_large_amplitude
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_step_geometry, only: odd_product
    use geartrain_trace_step_length, only: acceptable, next_step
-   use geartrain_trace_tracer, only: came_back, closed_loop, left_by_amplitude, met_half_period, reached_end, tracer_type
+   use geartrain_trace_tracer, only: came_back, closed_loop, left_by_amplitude, met_half_period, reached_end, &
+      tracer_type, went_round
    implicit none (type, external)
    private
    public :: followed_out, trace_through
@@ -29,6 +30,8 @@ module geartrain_trace_large_amplitude
    !> Largest step over the amplitude [1], smallest step [units_type], largest number of steps.
    real(dp), parameter :: largest_step = 0.2_dp, smallest_step = 1e-9_dp
    integer, parameter :: most_steps = 5000
+   !> Most traces of the same piece of a branch, each with shorter steps.
+   integer, parameter :: most_traces = 3
 
 contains
 
@@ -73,7 +76,7 @@ contains
       first = branch%points
       if (present(point)) first = point
       do
-         call tracer%trace(solution, low, high, target, branch, outcome, reason, observer, began, first)
+         call trace_on()
          reason = before//reason
          if (outcome /= left_by_amplitude) return
          left_at = solution%frequency_ratio
@@ -92,6 +95,40 @@ contains
          call tracer%record(solution, branch)
          first = branch%points
       end do
+
+   contains
+
+      !> Traces up to where the branch rises above the limit, anew with shorter steps where one of them led to a closed branch. What a
+      !> resumed run began with is not known.
+      subroutine trace_on()
+         type(solution_point_type) :: start, began_before
+         real(dp) :: step
+         integer :: points, special, missed, highest, k
+         logical :: resumed
+
+         start = solution
+         began_before = began
+         points = branch%points
+         special = size(branch%special_points)
+         missed = tracer%missed
+         highest = tracer%corrector%balance%highest
+         step = tracer%settings%step
+         resumed = tracer%resumes
+         do k = 1, most_traces
+            call tracer%trace(solution, low, high, target, branch, outcome, reason, observer, began, first)
+            if (outcome /= went_round .or. resumed .or. k == most_traces) exit
+            branch%points = points
+            branch%special_points = branch%special_points(:special)
+            tracer%missed = missed
+            call tracer%prepare(highest, start%harmonic)
+            solution = start
+            began = began_before
+            call tracer%corrector%correct(solution, success)
+            tracer%settings%step = tracer%settings%step/3
+         end do
+         tracer%settings%step = step
+      end subroutine trace_on
+
    end subroutine trace_through
 
    !> Follows the branch above the amplitude limit, unrecorded.

@@ -33,7 +33,7 @@ module geartrain_trace_narrow_resonances
    integer, parameter :: inverse_steps = 3
    real(dp), parameter :: beside = 1e-7_dp
 
-   !> Resonances of a harmonic, place and half width of each.
+   !> Resonances of a harmonic over a parameter, place and half width of each.
    type :: list_type
       integer :: harmonic = 0
       real(dp), allocatable :: at(:), half_width(:)
@@ -48,7 +48,7 @@ module geartrain_trace_narrow_resonances
       !> Damped frequency and rate of decay over the characteristic frequency [1], (mode, value), ascending, 0 of an overdamped
       !> mode, where the parameter has the values, (value); over Lambda there is one.
       real(dp), allocatable, private :: frequency(:, :), decay(:, :), value(:)
-      !> Lists of the harmonics asked for so far.
+      !> Over a parameter, lists of the harmonics asked for so far.
       type(list_type), allocatable, private :: list(:)
       !> Of a large train stiffness and inertia, stiffness of each element at rest over its mean stiffness [1], (element), and a
       !> damping ratio over omega that no mode is below [1].
@@ -59,7 +59,7 @@ module geartrain_trace_narrow_resonances
       procedure :: setup
       procedure :: find
       procedure :: any_near
-      procedure, private :: find_list
+      procedure, private :: find_places
       procedure, private :: find_in_large
    end type narrow_resonances_type
 
@@ -106,17 +106,15 @@ contains
       integer, intent(in) :: harmonic
       !> Lambda, or the parameter, at both ends of the step.
       real(dp), intent(in) :: ends(2)
-      integer :: n
+      real(dp), allocatable :: at(:), half_width(:)
 
       self%number = 0
       if (allocated(self%pencil)) call self%find_in_large(balance, harmonic, ends)
       if (.not. allocated(self%value)) return
-      call self%find_list(balance, harmonic, n)
-      associate (list => self%list(n))
-         self%number = count(is_within(ends, list%at, list%half_width))
-         self%at = pack(list%at, is_within(ends, list%at, list%half_width))
-         self%half_width = pack(list%half_width, is_within(ends, list%at, list%half_width))
-      end associate
+      call self%find_places(balance, harmonic, at, half_width)
+      self%number = count(is_within(ends, at, half_width))
+      self%at = pack(at, is_within(ends, at, half_width))
+      self%half_width = pack(half_width, is_within(ends, at, half_width))
    end subroutine find
 
    !> Whether a resonance of a harmonic may have its peak within a step, and higher than at the ends; of a large train it is not
@@ -128,56 +126,53 @@ contains
       integer, intent(in) :: harmonic
       !> Lambda, or the parameter, at both ends of the step.
       real(dp), intent(in) :: ends(2)
-      integer :: n
+      real(dp), allocatable :: at(:), half_width(:)
 
       near = .false.
       if (.not. self%known) call self%setup(balance)
       if (.not. allocated(self%value)) return
-      call self%find_list(balance, harmonic, n)
-      associate (list => self%list(n))
-         near = any(list%at + list%half_width/2 > minval(ends) .and. list%at - list%half_width/2 < maxval(ends) .and. &
-                    list%half_width < wide*abs(ends(2) - ends(1)))
-      end associate
+      call self%find_places(balance, harmonic, at, half_width)
+      near = any(at + half_width/2 > minval(ends) .and. at - half_width/2 < maxval(ends) .and. &
+                 half_width < wide*abs(ends(2) - ends(1)))
    end function any_near
 
-   !> Finds the list of a harmonic.
-   subroutine find_list(self, balance, harmonic, n)
+   !> Finds all resonances of a harmonic: over a parameter once for the whole path.
+   subroutine find_places(self, balance, harmonic, at, half_width)
       class(narrow_resonances_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       integer, intent(in) :: harmonic
-      !> Its number.
-      integer, intent(out) :: n
+      !> Place of each, and half width.
+      real(dp), allocatable, intent(out) :: at(:), half_width(:)
       type(list_type), allocatable :: lists(:)
-      real(dp) :: at, half_width
-      integer :: k, mode
+      integer :: k, mode, n
 
-      do n = 1, size(self%list)
-         if (self%list(n)%harmonic == harmonic) return
-      end do
-      allocate (lists(n))
-      lists(:n - 1) = self%list
-      lists(n)%harmonic = harmonic
-      associate (factor => real(balance%eta, dp)/harmonic, list => lists(n))
-         if (size(self%value) == 1) then
-            list%at = factor*pack(self%frequency(:, 1), self%frequency(:, 1) > 0)
-            list%half_width = factor*pack(self%decay(:, 1), self%frequency(:, 1) > 0)
-         else
-            list%at = [real(dp) ::]
-            list%half_width = [real(dp) ::]
-            associate (resonant => balance%path%frequency_ratio/factor, f => self%frequency)
+      associate (factor => real(balance%eta, dp)/harmonic, f => self%frequency)
+         if (.not. allocated(balance%path)) then
+            at = factor*pack(f(:, 1), f(:, 1) > 0)
+            half_width = factor*pack(self%decay(:, 1), f(:, 1) > 0)
+            return
+         end if
+         n = findloc(self%list%harmonic, harmonic, 1)
+         if (n == 0) then
+            n = size(self%list) + 1
+            allocate (lists(n))
+            lists(:n - 1) = self%list
+            lists(n)%harmonic = harmonic
+            allocate (lists(n)%at(0), lists(n)%half_width(0))
+            associate (resonant => balance%path%frequency_ratio/factor)
                do k = 1, parts
                   do mode = 1, size(f, 1)
                      if ((f(mode, k) < resonant) .eqv. (f(mode, k + 1) < resonant)) cycle
-                     call locate(balance, mode, resonant, self%value(k:k + 1), f(mode, k:k + 1) - resonant, at, half_width)
-                     list%at = [list%at, at]
-                     list%half_width = [list%half_width, half_width]
+                     call locate(balance, mode, resonant, self%value(k:k + 1), f(mode, k:k + 1) - resonant, lists(n))
                   end do
                end do
             end associate
+            call move_alloc(lists, self%list)
          end if
+         at = self%list(n)%at
+         half_width = self%list(n)%half_width
       end associate
-      call move_alloc(lists, self%list)
-   end subroutine find_list
+   end subroutine find_places
 
    !> Finds the resonances of a large train: its modes between two frequencies, one by one.
    subroutine find_in_large(self, balance, harmonic, ends)
@@ -211,19 +206,19 @@ contains
 
    end subroutine find_in_large
 
-   !> Finds the resonance over a parameter between two values of it.
-   subroutine locate(balance, mode, resonant, ends, off, at, half_width)
+   !> Adds the resonance over a parameter between two values of it.
+   subroutine locate(balance, mode, resonant, ends, off, list)
       type(balance_type), intent(in) :: balance
       !> Number of the mode; frequency in resonance over the characteristic frequency [1].
       integer, intent(in) :: mode
       real(dp), intent(in) :: resonant
       !> The values, and the frequency of the mode there less the one in resonance, of different signs.
       real(dp), intent(in) :: ends(2), off(2)
-      !> Place and half width of the resonance.
-      real(dp), intent(out) :: at, half_width
+      !> Resonances of the harmonic.
+      type(list_type), intent(inout) :: list
       type(system_type) :: system
       real(dp), dimension(balance%system%coordinates) :: frequency, decay
-      real(dp) :: x(2), y(2)
+      real(dp) :: x(2), y(2), at, half_width
       integer :: i, last, side
 
       x = ends
@@ -234,7 +229,7 @@ contains
          call balance%path%system_at(at, system)
          call find_modes(system, frequency, decay)
          half_width = decay(mode)*abs(ends(2) - ends(1))/abs(off(2) - off(1))
-         if (abs(frequency(mode) - resonant) <= accuracy*decay(mode)) return
+         if (abs(frequency(mode) - resonant) <= accuracy*decay(mode)) exit
          ! The other end counts by half where this one moves again (Illinois).
          side = merge(1, 2, (frequency(mode) < resonant) .eqv. (y(1) < 0))
          x(side) = at
@@ -242,6 +237,8 @@ contains
          if (side == last) y(3 - side) = y(3 - side)/2
          last = side
       end do
+      list%at = [list%at, at]
+      list%half_width = [list%half_width, half_width]
    end subroutine locate
 
    !> Whether a resonance is within a step, or at its ends, and narrower.

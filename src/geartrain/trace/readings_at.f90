@@ -25,18 +25,6 @@ contains
       count_readings = 2*balance%system%meshes + merge(balance%system%torque_paths%rows, 0, torques)
    end function count_readings
 
-   !> Finds the readings at a solution point; the balance is left evaluated there.
-   subroutine find_readings(corrector, solution, readings)
-      type(corrector_type), intent(inout) :: corrector
-      !> The point.
-      type(solution_point_type), intent(in) :: solution
-      !> Mean, cos and sin of each carried harmonic, (coefficient, reading): displacements and forces of meshes [1], torques [N m],
-      !> forces of bearings [N]. 0 where nothing determines a torque.
-      real(dp), intent(out) :: readings(:, :)
-
-      call evaluate_readings(corrector%balance, solution%u, solution%frequency_ratio, readings)
-   end subroutine find_readings
-
    !> Finds the readings at a solution point with their derivatives along the branch, by a difference.
    subroutine find_rates_of(corrector, solution, readings, rates)
       type(corrector_type), intent(inout) :: corrector
@@ -48,15 +36,19 @@ contains
 
       h = difference
       if (.not. corrector%balance%reaches(solution%frequency_ratio + h*solution%tangent_frequency)) h = -h
-      call evaluate_readings(corrector%balance, solution%u + h*solution%tangent, &
+      call find_readings(corrector%balance, solution%u + h*solution%tangent, &
                              solution%frequency_ratio + h*solution%tangent_frequency, rates)
-      call evaluate_readings(corrector%balance, solution%u, solution%frequency_ratio, readings)
+      call find_readings(corrector%balance, solution%u, solution%frequency_ratio, readings)
       rates = (rates - readings)/h
    end subroutine find_rates_of
 
-   subroutine evaluate_readings(balance, u, frequency_ratio, readings)
+   !> Finds the readings at a motion; the balance is left evaluated there.
+   subroutine find_readings(balance, u, frequency_ratio, readings)
       type(balance_type), intent(inout) :: balance
+      !> Coefficients of the unknown meshes [1], (block, unknown), and Lambda or the parameter.
       real(dp), intent(in) :: u(:, :), frequency_ratio
+      !> Mean, cos and sin of each carried harmonic, (coefficient, reading): displacements and forces of meshes [1], torques [N m],
+      !> forces of bearings [N]. 0 where nothing determines a torque.
       real(dp), intent(out) :: readings(:, :)
       real(dp) :: force(balance%block, balance%system%elements)
       integer :: s
@@ -72,7 +64,7 @@ contains
             if (.not. paths%known(s)) readings(:, 2*m + s) = 0
          end do
       end associate
-   end subroutine evaluate_readings
+   end subroutine find_readings
 
    !> Alternating part of each reading [unit of the reading times the square root of 2], (reading).
    pure function swings(readings)

@@ -144,8 +144,8 @@ contains
 
          if (.not. allocated(readings)) then
             allocate (readings(self%corrector%balance%block, count_readings(self%corrector%balance, torques), 3))
-            call find_readings(self%corrector, here, readings(:, :, 1))
-            call find_readings(self%corrector, next, readings(:, :, 2))
+            call find_readings(self%corrector%balance, here%u, here%frequency_ratio, readings(:, :, 1))
+            call find_readings(self%corrector%balance, next%u, next%frequency_ratio, readings(:, :, 2))
             moved = .true.
             swing = max(swings(readings(:, :, 1)), swings(readings(:, :, 2)))
             least = max(floors(self%corrector%balance, readings(:, :, 1)), floors(self%corrector%balance, readings(:, :, 2)))
@@ -163,7 +163,7 @@ contains
       !> Whether a reading stands out at the resonance.
       logical function stands_out()
          if (.not. allocated(readings)) matters = may_stand_out()
-         call find_readings(self%corrector, solution, readings(:, :, 3))
+         call find_readings(self%corrector%balance, solution%u, solution%frequency_ratio, readings(:, :, 3))
          stands_out = any(swings(readings(:, :, 3)) > max((1 + stands)*swing, least))
       end function stands_out
 

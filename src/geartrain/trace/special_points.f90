@@ -10,10 +10,12 @@ module geartrain_trace_special_points
    use geartrain_trace_step_geometry, only: arc_length, go_along, odd_product, way_to
    implicit none (type, external)
    private
-   public :: locate_fold, locate_half_period, add_special_point
+   public :: locate_fold, locate_half_period, add_special_point, is_known_fold
    public :: generic_vector, rms_of
 
    integer, parameter :: max_steps = 30
+   !> Relative distances of two folds, in Lambda and of their motions, up to which they are the same [1].
+   real(dp), parameter :: same_place = 1e-8_dp, same_motion = 1e-5_dp
 
 contains
 
@@ -67,6 +69,24 @@ contains
          if (b - a < 1e-6_dp*h) return
       end do
    end subroutine locate_fold
+
+   !> Whether the latest point of a branch, a fold, is an earlier fold of its segment.
+   pure logical function is_known_fold(branch) result(known)
+      !> The branch; its latest special point is that fold.
+      type(branch_type), intent(in) :: branch
+      integer :: s
+
+      known = .false.
+      associate (n => branch%points, special => branch%special_points, x => branch%frequency_ratio, u => branch%coefficients)
+         do s = 1, size(special) - 1
+            associate (i => special(s)%point)
+               if (special(s)%kind /= 'fold') cycle
+               if (branch%segment(i) /= branch%segment(n) .or. abs(x(i) - x(n)) > same_place*abs(x(n))) cycle
+               known = known .or. norm2(u(:, :, i) - u(:, :, n)) <= same_motion*norm2(u(:, :, n))
+            end associate
+         end do
+      end associate
+   end function is_known_fold
 
    !> Locates where the odd harmonics vanish within a step: there a branch of even period meets the branch of half its period. The
    !> matrix is singular there and Newton's method fails next to it: from there on the branch is taken as a straight line.

@@ -7,15 +7,15 @@
 module geartrain_trace_stability_changes
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
-   use geartrain_floquet_multipliers, only: are_numbers, neutral
+   use geartrain_floquet_multipliers, only: are_numbers, neutral, side_of_fold
    use geartrain_linalg_bracket, only: between, shrink
-   use geartrain_trace_branch, only: branch_type
+   use geartrain_trace_branch, only: branch_type, multipliers_at
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
    use geartrain_trace_special_points, only: add_special_point, rms_of
    use geartrain_trace_step_geometry, only: go_along
    implicit none (type, external)
    private
-   public :: find_multipliers, hides_pair, largest_multiplier, outside, piece_type, separate
+   public :: find_multipliers, hides_pair, jumped, largest_multiplier, outside, piece_type, separate
 
    public :: above_one, doubling, neimark_sacker
    !> Kinds of multipliers outside the circle: real below -1, complex pairs, real above +1.
@@ -51,6 +51,25 @@ module geartrain_trace_stability_changes
    end type piece_type
 
 contains
+
+   !> Whether the latest step of a branch led to another one: along a branch the number of real multipliers above 1 is even or odd,
+   !> and changes this at a fold and at a branch point alone. Only points at which it is decided count.
+   pure logical function jumped(branch, before, passages)
+      !> A branch with stability.
+      type(branch_type), intent(in) :: branch
+      !> Number of the point at which the step began; number of folds in it and of multipliers that pass +1 at branch points.
+      integer, intent(in) :: before, passages
+      complex(dp) :: first(branch%states), last(branch%states)
+
+      jumped = .false.
+      if (branch%states == 0) return
+      if (branch%count_undecided(before) .or. branch%count_undecided(branch%points)) return
+      first = multipliers_at(branch, before)
+      last = multipliers_at(branch, branch%points)
+      if (.not. (are_numbers(first) .and. are_numbers(last))) return
+      if (max(abs(first(1)), abs(last(1))) > largest_multiplier) return
+      jumped = mod(side_of_fold(first) + side_of_fold(last) + passages, 2) /= 0
+   end function jumped
 
    !> Number of multipliers outside the unit circle, of each kind.
    pure function outside(multipliers)

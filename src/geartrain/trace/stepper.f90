@@ -223,7 +223,7 @@ contains
       logical, intent(out) :: success
       logical :: kept
 
-      call self%adapt(next, success, here, origin, fixed, kept)
+      call self%adapt(next, success, here, origin, fixed, kept, step_end=.true.)
       self%refusals = merge(0, self%refusals + 1, success)
       ! Near a fold or a first contact the motion of more harmonics may lie too far away, however short the step.
       success = success .or. kept .and. self%refusals > most_refusals

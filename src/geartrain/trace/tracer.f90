@@ -5,29 +5,28 @@ module geartrain_trace_tracer
    use geartrain_base_numbers, only: text
    use geartrain_base_observer, only: observer_type
    use geartrain_base_words, only: lambda, operator(//), words_type
-   use geartrain_floquet_multipliers, only: are_numbers, side_of_fold
-   use geartrain_trace_branch, only: branch_type, multipliers_at, trace_state_type
+   use geartrain_trace_branch, only: branch_type, trace_state_type
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_crossings, only: add_branch_point, crossing_type, find_crossings
    use geartrain_trace_growth_changes, only: add_growth_change
    use geartrain_trace_hidden_changes, only: add_hidden_changes
    use geartrain_trace_out_of_reach, only: find_out_of_reach
    use geartrain_trace_probed_changes, only: add_stability_changes
-   use geartrain_trace_special_points, only: add_special_point, locate_fold
-   use geartrain_trace_stability_changes, only: largest_multiplier
+   use geartrain_trace_special_points, only: add_special_point, is_known_fold, locate_fold
+   use geartrain_trace_stability_changes, only: jumped
    use geartrain_trace_step_extremes, only: quantities_type
    use geartrain_trace_step_geometry, only: passes_half_period, sense_of, way_to
    use geartrain_trace_step_length, only: carries_same, closes, crosses_branch, large, next_step
    use geartrain_trace_stepper, only: stepper_type
    implicit none (type, external)
    private
-   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, met_half_period
+   public :: tracer_type, reached_end, came_back, closed_loop, left_by_amplitude, cancelled, met_half_period, went_round
 
    !> Outcomes of a trace: it reached the target bound; came back to the other bound; closed where it began; passed the amplitude
    !> limit; was ended by the observer; failed with the smallest step; had max_points, or motions out of reach; met the branch
-   !> of half its period.
+   !> of half its period; goes round a closed branch on which it did not begin.
    integer, parameter :: reached_end = 1, came_back = 2, closed_loop = 3, left_by_amplitude = 4, cancelled = 5, stuck = 6, &
-                         full = 7, met_half_period = 8
+                         full = 7, met_half_period = 8, went_round = 9
    !> The trace goes on.
    integer, parameter :: under_way = 0
 
@@ -47,7 +46,7 @@ module geartrain_trace_tracer
       logical :: resumes = .false.
    contains
       procedure :: trace, note_state, restore_state
-      procedure, private :: find_end, add_fold, add_changes, jumped
+      procedure, private :: find_end, add_fold, add_changes
    end type tracer_type
 
 contains
@@ -171,6 +170,13 @@ contains
             end if
          end if
          if (fold_at > 0) then
+            if (is_known_fold(branch)) then
+               reason = 'came to the fold at '//lambda(fold%frequency_ratio)//' again, so an earlier step led to another branch'
+               branch%points = self%kept(1)
+               branch%special_points = branch%special_points(:self%kept(2))
+               outcome = went_round
+               return
+            end if
             call self%record(next, branch, fold, branch%points)
          else
             call self%record(next, branch, here, before)
@@ -178,7 +184,9 @@ contains
          ! Nearer to a fold than that balance and multipliers may place it on different sides.
          known = way <= first_step .or. meets .or. crosses .and. size(crossings) == 0
          lost = .false.
-         if (.not. known) lost = self%jumped(here, next, before, fold_at > 0, sum(crossings%multiplicity), branch)
+         if (.not. known .and. self%recorder%stability .and. .not. self%vanishes() .and. &
+             sense_of(here, self%corrector%units)*sense_of(next, self%corrector%units) /= 0) &
+            lost = jumped(branch, before, sum(crossings%multiplicity) + merge(1, 0, fold_at > 0))
          if (.not. lost) then
             do i = 1, size(crossings)
                if (.not. meets) call add_branch_point(branch, before, crossings(i))
@@ -332,11 +340,13 @@ contains
       !> False where there is no fold between `here` and `next`, or no `next`, with the harmonics that the fold needs: nothing is
       !> recorded, and a shorter step shows where Lambda turns.
       logical, intent(out) :: success
-      type(solution_point_type) :: guess
-      integer :: kept(2), turned
+      type(solution_point_type) :: guess, first(3)
+      integer :: kept(2), turned, highest
       logical :: enough
 
       kept = [branch%points, size(branch%special_points)]
+      first = [here, next, origin]
+      highest = self%corrector%balance%highest
       turned = sense_of(next, self%corrector%units)
       fold_at = 0
       if (sense_of(here, self%corrector%units) == 0) then
@@ -353,6 +363,18 @@ contains
          ! With more harmonics the fold lies elsewhere.
          call self%corrector%refit(next)
       end do
+      if (.not. (success .or. carries_same(here, first(1)))) then
+         ! A shorter step finds it, unless the motion of more harmonics lies too far away: then the fold misses the tolerance.
+         call self%corrector%correct(here, enough)
+         if (.not. enough) then
+            call self%prepare(highest, first(1)%harmonic)
+            here = first(1)
+            next = first(2)
+            origin = first(3)
+            fold = next
+            call locate_fold(self%corrector, here, next, h, fold, fold_at, success)
+         end if
+      end if
       if (success) then
          call self%record(fold, branch, here, point)
          call add_special_point(branch, 'fold', fold%frequency_ratio, branch%points, branch%rms(:, branch%points))
@@ -374,33 +396,6 @@ contains
       branch%points = kept(1)
       branch%special_points = branch%special_points(:kept(2))
    end subroutine add_fold
-
-   !> Whether the latest step led to another branch: along a branch the number of real multipliers above 1 is even or odd, and
-   !> changes this at a fold and at a branch point alone. Only points at which it is decided tell.
-   logical function jumped(self, here, next, before, folds, crossings, branch)
-      class(tracer_type), intent(in) :: self
-      !> Ends of the step.
-      type(solution_point_type), intent(in) :: here, next
-      !> Number of the point of the branch at which the step began.
-      integer, intent(in) :: before
-      !> There is a fold in the step; number of multipliers that pass +1 at branch points in it.
-      logical, intent(in) :: folds
-      integer, intent(in) :: crossings
-      type(branch_type), intent(in) :: branch
-      complex(dp) :: first(branch%states), last(branch%states)
-
-      jumped = .false.
-      if (.not. self%recorder%stability .or. self%vanishes() .or. branch%states == 0) return
-      if (sense_of(here, self%corrector%units)*sense_of(next, self%corrector%units) == 0) return
-      associate (n => branch%points)
-         if (branch%count_undecided(before) .or. branch%count_undecided(n)) return
-         first = multipliers_at(branch, before)
-         last = multipliers_at(branch, n)
-      end associate
-      if (.not. (are_numbers(first) .and. are_numbers(last))) return
-      if (max(abs(first(1)), abs(last(1))) > largest_multiplier) return
-      jumped = mod(side_of_fold(first) + side_of_fold(last) + merge(1, 0, folds) + crossings, 2) /= 0
-   end function jumped
 
    !> Lists the changes of stability in the latest step, from `here` to `next`: before and after its fold, if any.
    subroutine add_changes(self, here, next, fold, fold_at, before, branch, hidden)
