@@ -8,7 +8,7 @@ module geartrain_balance_balanced_torque
    use geartrain_network_receptance, only: amplitude_at, linear_displacements
    implicit none (type, external)
    private
-   public :: element_forces, find_shaft_torques, mean_forces, shaft_coefficients
+   public :: alternating_forces, element_forces, find_shaft_torques, mean_forces, shaft_coefficients
 
 contains
 
@@ -28,7 +28,7 @@ contains
       integer :: s
 
       call element_forces(balance, force)
-      call shaft_coefficients(balance, force, coefficients)
+      call shaft_coefficients(balance, balance%harmonic, force, coefficients)
       mean = coefficients(1, :)
       ac = sqrt(sum(coefficients(2:, :)**2, 1)/2)
       do s = 1, size(mean)
@@ -67,32 +67,51 @@ contains
       type(balance_type), intent(in) :: balance
       !> The coefficients, (block, element).
       real(dp), intent(out) :: force(:, :)
-      complex(dp) :: amplitude(balance%system%elements)
-      integer :: k
+      real(dp) :: displacement(size(force, 1) - 1, size(force, 2))
 
       call mean_forces(balance, force(1, :))
+      call alternating_forces(balance, balance%harmonic, balance%force(2:, :), force(2:, :), displacement)
+   end subroutine element_forces
+
+   !> Finds cos and sin of some harmonics of phi of every element, by the forces of the unknown meshes.
+   pure subroutine alternating_forces(balance, harmonic, unknown, force, displacement)
+      !> The balance, last evaluated at the motion.
+      type(balance_type), intent(in) :: balance
+      !> The harmonics of Lambda/eta.
+      integer, intent(in) :: harmonic(:)
+      !> phi of the unknown meshes [1], (2*harmonic, unknown).
+      real(dp), intent(in) :: unknown(:, :)
+      !> phi, and displacements over b_c, 0 for unknown meshes [1], (2*harmonic, element).
+      real(dp), intent(out) :: force(:, :), displacement(:, :)
+      complex(dp) :: amplitude(balance%system%elements), phi(balance%unknowns)
+      integer :: k
+
       associate (system => balance%system)
-         do k = 1, size(balance%harmonic)
-            associate (r => balance%harmonic(k))
+         do k = 1, size(harmonic)
+            associate (r => harmonic(k))
                amplitude = 0
-               call linear_displacements(system, balance%frequency_ratio, r, balance%eta, &
-                                         cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp), amplitude)
+               phi = cmplx(unknown(2*k - 1, :), -unknown(2*k, :), dp)
+               call linear_displacements(system, balance%frequency_ratio, r, balance%eta, phi, amplitude)
+               displacement(2*k - 1, :) = amplitude%re
+               displacement(2*k, :) = -amplitude%im
                amplitude = cmplx(system%spring, r*balance%frequency_ratio/balance%eta*system%damping, dp)*amplitude
-               amplitude(system%cut%element) = cmplx(balance%force(2*k, :), -balance%force(2*k + 1, :), dp)
-               force(2*k, :) = amplitude%re
-               force(2*k + 1, :) = -amplitude%im
+               amplitude(system%cut%element) = phi
+               force(2*k - 1, :) = amplitude%re
+               force(2*k, :) = -amplitude%im
             end associate
          end do
       end associate
-   end subroutine element_forces
+   end subroutine alternating_forces
 
    !> Finds the torque of each shaft [N m] and the forces of bearings [N] from the forces of the elements.
-   pure subroutine shaft_coefficients(balance, force, coefficients)
+   pure subroutine shaft_coefficients(balance, harmonic, force, coefficients)
       !> The balance, last evaluated at the motion.
       type(balance_type), intent(in) :: balance
-      !> Mean, cos and sin of each carried harmonic of phi of every element [1], (block, element).
+      !> The harmonics of Lambda/eta.
+      integer, intent(in) :: harmonic(:)
+      !> Mean, cos and sin of each harmonic of phi of every element [1], (1 + 2*harmonic, element).
       real(dp), intent(in) :: force(:, :)
-      !> The same of each row of the torque paths, or of the first ones, (block, row).
+      !> The same of each row of the torque paths, or of the first ones, (1 + 2*harmonic, row).
       real(dp), intent(out) :: coefficients(:, :)
       complex(dp) :: total
       integer :: i, k, n, s
@@ -105,11 +124,10 @@ contains
                n = paths%element(i)
                coefficients(:, s) = coefficients(:, s) + paths%gain(i)*system%stiffness(n)*system%characteristic_length*force(:, n)
             end do
-            do k = 1, size(balance%harmonic)
+            do k = 1, size(harmonic)
                total = 0
                do i = paths%torque_first(s), paths%torque_first(s + 1) - 1
-                  total = total + paths%torque_gain(i)*amplitude_at(system%torque(paths%torque(i)), balance%harmonic(k), &
-                                                                    balance%eta)
+                  total = total + paths%torque_gain(i)*amplitude_at(system%torque(paths%torque(i)), harmonic(k), balance%eta)
                end do
                coefficients(2*k, s) = coefficients(2*k, s) + system%characteristic_length*total%re
                coefficients(2*k + 1, s) = coefficients(2*k + 1, s) - system%characteristic_length*total%im

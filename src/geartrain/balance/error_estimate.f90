@@ -58,12 +58,18 @@ module geartrain_balance_error_estimate
       !> Harmonics of Lambda/eta in the tail; their amplitudes [1], (tail, unknown).
       integer, allocatable :: harmonic(:)
       complex(dp), allocatable :: tail(:, :)
+      !> Forces of the unknown meshes at the tail [1], (tail, unknown).
+      complex(dp), allocatable :: force(:, :)
+      !> Amplitudes at the carried harmonics and at the tail as what is read off the motion feels them, see `weigh` [1].
+      real(dp), allocatable :: felt(:), felt_tail(:)
       !> Error of the carried coefficients with the sign of a first-order correction [1], (block, unknown).
       real(dp), allocatable, private :: error(:, :)
       type(tail_equations_type), private :: equations
    contains
       procedure :: waveform_error
       procedure :: sample_error
+      procedure :: square_of
+      procedure :: weigh
       procedure, private :: reserve
    end type error_estimate_type
 
@@ -89,8 +95,7 @@ contains
       !> matrix `matrix` is.
       real(dp), intent(in), optional :: residual(:, :)
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale, own
-      complex(dp), allocatable :: force(:, :)
-      integer :: i
+      integer :: i, m
       !> Harmonics left out may excite linear meshes; few harmonics of the tail matter; they are coupled as far as they need.
       logical :: condensed, sparse, settled
 
@@ -98,6 +103,7 @@ contains
       estimate%limited = 0
       estimate%doubtful = .false.
       estimate%mesh = [(0.0_dp, i=1, balance%system%meshes)]
+      if (allocated(estimate%felt)) deallocate (estimate%felt, estimate%felt_tail)
       call estimate%reserve(balance)
       ! Handed on as it is, an array that is not allocated would be one of no size.
       if (allocated(estimate%resonance)) then
@@ -105,12 +111,13 @@ contains
       else
          call put(tail_harmonics(balance, frequency_ratio))
       end if
-      call find_remainder(balance, u, [integer ::], reshape([complex(dp) ::], [0, 0]), estimate%remainder)
       estimate%error = 0*u
+      estimate%force = estimate%tail(:estimate%count, :)
+      if (estimate%count == 0) call find_remainder(balance, u, estimate)
       if (estimate%count == 0) return
       if (balance%unknowns == 0) then
-         allocate (force(estimate%count, 0))
-         estimate%relative = condensed_error(balance, u, frequency_ratio, estimate%harmonic(:estimate%count), force, force)
+         call find_remainder(balance, u, estimate)
+         estimate%relative = condensed_error(balance, u, frequency_ratio, estimate)
          estimate%limited = estimate%relative
          estimate%mesh = estimate%relative
          estimate%doubtful = estimate%relative > large
@@ -122,7 +129,7 @@ contains
       call estimate%equations%driven_forces(balance, u, estimate%tail(:estimate%count, :))
       if (sparse) call keep(negligible_force, balance%eta*excited_harmonics(balance%system))
       call estimate%equations%prepare(balance, .not. matrix%solves_in_time())
-      if (condensed) force = estimate%tail(:estimate%count, :)
+      estimate%force = estimate%tail(:estimate%count, :)
       call estimate%equations%displacements(balance, .true., estimate%tail(:estimate%count, :))
       if (sparse) call keep(negligible, balance%left_out)
       associate (n => estimate%count, tail => estimate%tail(:estimate%count, :), harmonic => estimate%harmonic)
@@ -133,7 +140,12 @@ contains
             call carry(tail, .true.)
             if (sparse) call couple(tail)
          end if
-         call find_remainder(balance, u, harmonic(:n), tail, estimate%remainder)
+         do i = 1, balance%unknowns
+            do m = 1, n
+               estimate%force(m, i) = estimate%force(m, i) + balance%mean_stiffness(i, harmonic(m))*tail(m, i)
+            end do
+         end do
+         call find_remainder(balance, u, estimate)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
          way = -y/sign(max(abs(slope), steepest*unit), slope)
          error = correction + way*tangent
@@ -142,7 +154,7 @@ contains
          estimate%relative = sqrt(sum(tail%re**2 + tail%im**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
          estimate%error = error
          if (condensed) then
-            way = condensed_error(balance, u, frequency_ratio, harmonic(:n), force, tail)
+            way = condensed_error(balance, u, frequency_ratio, estimate)
             estimate%relative = max(estimate%relative, way)
             estimate%limited = max(estimate%limited, way)
          end if
@@ -176,7 +188,7 @@ contains
          if (size(rows) == 0) return
          call estimate%equations%keep(balance, rows)
          estimate%tail(:size(rows), :) = estimate%tail(rows, :)
-         if (allocated(force)) force = force(rows, :)
+         estimate%force = estimate%force(rows, :)
          call put(estimate%harmonic(rows))
       end subroutine keep
 
@@ -270,16 +282,13 @@ contains
       call self%equations%reserve(balance, last)
    end subroutine reserve
 
-   !> Displacements of linear meshes at the harmonics of the excitation that the balance leaves out, relative to their waveforms
-   !> [1]; `harmonic` has the harmonics of the tail.
-   real(dp) function condensed_error(balance, u, frequency_ratio, harmonic, force, tail)
+   !> Displacements of linear meshes at the harmonics of the excitation that the balance leaves out, relative to their waveforms [1].
+   real(dp) function condensed_error(balance, u, frequency_ratio, estimate)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: u(:, :), frequency_ratio
-      integer, intent(in) :: harmonic(:)
-      !> Forces of the unknown meshes at the tail, without the forces by displacements at the tail; these displacements [1], (tail,
-      !> unknown).
-      complex(dp), intent(in) :: force(:, :), tail(:, :)
-      complex(dp) :: phi(balance%unknowns), p(balance%system%elements)
+      !> Has the tail and the forces there.
+      type(error_estimate_type), intent(in) :: estimate
+      complex(dp) :: p(balance%system%elements)
       real(dp) :: coefficients(balance%block, balance%system%meshes), missing
       logical :: is_linear(balance%system%meshes)
       integer :: i, m
@@ -287,12 +296,9 @@ contains
       missing = 0
       is_linear = .true.
       is_linear(balance%mesh) = .false.
-      do m = 1, size(harmonic)
-         if (.not. any(balance%left_out == harmonic(m))) cycle
-         do i = 1, balance%unknowns
-            phi(i) = force(m, i) + balance%mean_stiffness(i, harmonic(m))*tail(m, i)
-         end do
-         call linear_displacements(balance%system, frequency_ratio, harmonic(m), balance%eta, phi, p)
+      do m = 1, estimate%count
+         if (.not. any(balance%left_out == estimate%harmonic(m))) cycle
+         call linear_displacements(balance%system, frequency_ratio, estimate%harmonic(m), balance%eta, estimate%force(m, :), p)
          missing = missing + sum(abs(p(pack(balance%system%mesh_element, is_linear)))**2)
       end do
       call balance%full_coefficients(u, coefficients)
@@ -302,6 +308,25 @@ contains
       end do
       condensed_error = sqrt(missing/max(condensed_error, tiny(1.0_dp)))
    end function condensed_error
+
+   !> Lets harmonics count as what is read off the motion feels them: a harmonic that hardly moves a mesh may be in resonance with a
+   !> shaft. So the set of harmonics and its size are chosen by what the readings miss, too.
+   subroutine weigh(self, balance, u, felt, felt_tail, missing)
+      class(error_estimate_type), intent(inout) :: self
+      !> The balance of the estimate, and the motion.
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :)
+      !> Part that each carried harmonic, and each of the tail, has in the reading where it is largest; what the tail has in the
+      !> reading of which it is the largest part [1].
+      real(dp), intent(in) :: felt(:), felt_tail(:), missing
+      real(dp) :: scale
+
+      scale = norm2(u(2:, :))
+      self%felt = scale*felt
+      self%felt_tail = scale*felt_tail
+      self%limited = max(self%limited, missing)
+      call find_remainder(balance, u, self)
+   end subroutine weigh
 
    !> Estimated difference of the exact displacement over b_c from the displacement of the balance, at an instant [1].
    pure real(dp) function waveform_error(self, balance, i, theta)
@@ -371,26 +396,39 @@ contains
    end function harmonics_for
 
    !> Sets `remainder`; harmonics beyond its last index count at all indices.
-   pure subroutine find_remainder(balance, u, harmonic, tail, remainder)
+   pure subroutine find_remainder(balance, u, estimate)
       type(balance_type), intent(in) :: balance
-      integer, intent(in) :: harmonic(:)
       real(dp), intent(in) :: u(:, :)
-      complex(dp), intent(in) :: tail(:, :)
-      real(dp), intent(inout) :: remainder(0:)
+      type(error_estimate_type), intent(inout) :: estimate
+      real(dp) :: square
       integer :: k, m
 
-      remainder = 0
-      do k = 1, size(balance%harmonic)
-         remainder(balance%harmonic(k) - 1) = sum(u(2*k:2*k + 1, :)**2)
-      end do
-      do m = 1, size(harmonic)
-         k = min(harmonic(m) - 1, ubound(remainder, 1))
-         remainder(k) = remainder(k) + sum(tail(m, :)%re**2 + tail(m, :)%im**2)
-      end do
-      do k = ubound(remainder, 1) - 1, 0, -1
-         remainder(k) = remainder(k) + remainder(k + 1)
-      end do
-      remainder = sqrt(remainder)
+      associate (remainder => estimate%remainder)
+         remainder = 0
+         do k = 1, size(balance%harmonic)
+            square = sum(u(2*k:2*k + 1, :)**2)
+            if (allocated(estimate%felt)) square = max(square, estimate%felt(k)**2)
+            remainder(balance%harmonic(k) - 1) = square
+         end do
+         do m = 1, estimate%count
+            k = min(estimate%harmonic(m) - 1, ubound(remainder, 1))
+            remainder(k) = remainder(k) + estimate%square_of(m)
+         end do
+         do k = ubound(remainder, 1) - 1, 0, -1
+            remainder(k) = remainder(k) + remainder(k + 1)
+         end do
+         remainder = sqrt(remainder)
+      end associate
    end subroutine find_remainder
+
+   !> Squared amplitude of a harmonic of the tail, as it counts [1].
+   pure real(dp) function square_of(self, m)
+      class(error_estimate_type), intent(in) :: self
+      !> Its number.
+      integer, intent(in) :: m
+
+      square_of = sum(self%tail(m, :)%re**2 + self%tail(m, :)%im**2)
+      if (allocated(self%felt_tail)) square_of = max(square_of, self%felt_tail(m)**2)
+   end function square_of
 
 end module geartrain_balance_error_estimate

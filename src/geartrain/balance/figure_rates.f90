@@ -86,7 +86,7 @@ contains
       if (self%of_shafts) then
          allocate (force(balance%block, balance%system%elements))
          call element_forces(balance, force)
-         call shaft_coefficients(balance, force, coefficients)
+         call shaft_coefficients(balance, balance%harmonic, force, coefficients)
       else
          call balance%full_coefficients(u, coefficients)
       end if

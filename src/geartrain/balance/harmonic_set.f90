@@ -68,7 +68,7 @@ contains
 
       square = 0
       do k = 1, estimate%count
-         square(estimate%harmonic(k)) = sum(estimate%tail(k, :)%re**2 + estimate%tail(k, :)%im**2)
+         square(estimate%harmonic(k)) = estimate%square_of(k)
       end do
       left = sum(square)
       carried = .false.
@@ -76,14 +76,10 @@ contains
       if (present(most)) room = most
       if (share > 1) then
          square = 0
-         do k = 1, size(balance%harmonic)
-            square(balance%harmonic(k)) = sum(u(2*k:2*k + 1, :)**2)
-         end do
+         call add_carried(balance, u, estimate, square)
          carried = busiest(square, (share**2 - 1)*left, room)
       else if (size(balance%harmonic) >= room) then
-         do k = 1, size(balance%harmonic)
-            square(balance%harmonic(k)) = sum(u(2*k:2*k + 1, :)**2)
-         end do
+         call add_carried(balance, u, estimate, square)
          carried = busiest(square, share**2*left, room)
       else
          room = room - size(balance%harmonic)
@@ -93,6 +89,21 @@ contains
       call carry_sources(balance%system, carried)
       harmonic = pack([(r, r=1, size(carried))], carried)
    end function next_set
+
+   !> Adds the squared amplitudes of the carried harmonics, as they count [1].
+   pure subroutine add_carried(balance, u, estimate, square)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :)
+      type(error_estimate_type), intent(in) :: estimate
+      !> By harmonic.
+      real(dp), intent(inout) :: square(:)
+      integer :: k
+
+      do k = 1, size(balance%harmonic)
+         square(balance%harmonic(k)) = sum(u(2*k:2*k + 1, :)**2)
+         if (allocated(estimate%felt)) square(balance%harmonic(k)) = max(square(balance%harmonic(k)), estimate%felt(k)**2)
+      end do
+   end subroutine add_carried
 
    !> Adds the sources of excitation, because a linear mesh moves at the carried harmonics only.
    pure subroutine carry_sources(system, carried)

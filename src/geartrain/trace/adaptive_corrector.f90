@@ -10,6 +10,7 @@ module geartrain_trace_adaptive_corrector
    use geartrain_base_numbers, only: text
    use geartrain_trace_branch, only: response_settings_type
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
+   use geartrain_trace_readings_at, only: weigh_readings
    use geartrain_trace_step_geometry, only: sense_of
    use geartrain_network_units, only: largest_drive
    use geartrain_linalg_trigonometric, only: transform_length
@@ -46,6 +47,8 @@ module geartrain_trace_adaptive_corrector
       type(error_estimate_type) :: estimate
       !> Change of the tangent's Lambda part per length of the branch at the latest step [1], in the metric of the branch.
       real(dp) :: curvature = 0
+      !> The branch is shown: its points must have what is read off it, and their errors. Else it only leads to its end.
+      logical :: shows = .true.
       !> Carried are sets of harmonics, see geartrain_balance_harmonic_set.
       logical :: chooses_sets = .false.
       !> The balance with exact coefficients, for the error of sampled ones; not set up where they are exact anyway.
@@ -113,6 +116,8 @@ contains
          else
             call find_error_estimate(c%balance, s%u, c%balance%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
                                      c%units%frequency_ratio, c%matrix, self%estimate)
+            if (self%settings%harmonics == 0 .and. self%shows) call weigh_readings(c%balance, s%u, self%settings%shaft_torque, &
+                                                                                    self%estimate)
          end if
       end associate
    end subroutine estimate_error

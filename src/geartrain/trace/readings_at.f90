@@ -2,15 +2,18 @@
 !> harmonic by harmonic, as the linear equations of the train give them from the forces of the unknown meshes.
 module geartrain_trace_readings_at
    use geartrain_balance_balance, only: balance_type
-   use geartrain_balance_balanced_torque, only: element_forces, shaft_coefficients
+   use geartrain_balance_balanced_torque, only: alternating_forces, element_forces, shaft_coefficients
+   use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_base_kinds, only: dp
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
    implicit none (type, external)
    private
-   public :: count_readings, find_readings, find_rates_of, floors, swings
+   public :: count_readings, find_readings, find_rates_of, floors, swings, weigh_readings
 
    !> Least alternating reading that counts, over the largest of its kind [1].
    real(dp), parameter :: felt = 1e-4_dp
+   !> Reading to which the error of a smaller one of its kind is relative, over the largest [1].
+   real(dp), parameter :: counted = 0.1_dp
    !> Part of the unit of length of the branch over which readings are differentiated.
    real(dp), parameter :: difference = 1e-7_dp
 
@@ -50,21 +53,74 @@ contains
       !> Mean, cos and sin of each carried harmonic, (coefficient, reading): displacements and forces of meshes [1], torques [N m],
       !> forces of bearings [N]. 0 where nothing determines a torque.
       real(dp), intent(out) :: readings(:, :)
+
+      call balance%evaluate(u, frequency_ratio)
+      call read_off(balance, u, readings)
+   end subroutine find_readings
+
+   !> Finds the readings at the motion at which the balance was evaluated last.
+   subroutine read_off(balance, u, readings)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :)
+      real(dp), intent(out) :: readings(:, :)
       real(dp) :: force(balance%block, balance%system%elements)
       integer :: s
 
-      call balance%evaluate(u, frequency_ratio)
       call element_forces(balance, force)
       associate (m => balance%system%meshes, paths => balance%system%torque_paths)
          call balance%full_coefficients(u, readings(:, :m))
          readings(:, m + 1:2*m) = force(:, balance%system%mesh_element)
          if (size(readings, 2) == 2*m) return
-         call shaft_coefficients(balance, force, readings(:, 2*m + 1:))
+         call shaft_coefficients(balance, balance%harmonic, force, readings(:, 2*m + 1:))
          do s = 1, paths%rows
             if (.not. paths%known(s)) readings(:, 2*m + s) = 0
          end do
       end associate
-   end subroutine find_readings
+   end subroutine read_off
+
+   !> Lets the error estimate of a motion see what readings of linear parts miss at the harmonics of its tail.
+   subroutine weigh_readings(balance, u, torques, estimate)
+      !> The balance, evaluated at the motion, and the motion [1], (block, unknown).
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: u(:, :)
+      !> Torques of shafts and forces of bearings are read.
+      logical, intent(in) :: torques
+      !> The estimate.
+      type(error_estimate_type), intent(inout) :: estimate
+      real(dp), allocatable :: readings(:, :), missing(:, :), force(:, :), displacement(:, :), known(:, :), whole(:)
+      real(dp) :: felt_tail(estimate%count), carried(size(balance%harmonic))
+      integer :: k, n
+
+      n = estimate%count
+      if (n == 0) return
+      if (balance%unknowns == balance%system%meshes .and. .not. (torques .and. balance%system%torque_paths%rows > 0)) return
+      allocate (readings(balance%block, count_readings(balance, torques)))
+      call read_off(balance, u, readings)
+      whole = max(swings(readings), counted/felt*floors(balance, readings))
+      allocate (missing(1 + 2*n, size(readings, 2)), force(1 + 2*n, balance%system%elements), known(2*n, balance%unknowns))
+      allocate (displacement(2*n, balance%system%elements))
+      known(1::2, :) = estimate%force(:n, :)%re
+      known(2::2, :) = -estimate%force(:n, :)%im
+      force(1, :) = 0
+      call alternating_forces(balance, estimate%harmonic(:n), known, force(2:, :), displacement)
+      associate (m => balance%system%meshes, element => balance%system%mesh_element)
+         ! Displacements of the unknown meshes are 0 there, and their forces are as uncertain as they are.
+         missing(2:, :m) = displacement(:, element)
+         missing(2:, m + 1:2*m) = 0
+         if (torques) call shaft_coefficients(balance, estimate%harmonic(:n), force, missing(:, 2*m + 1:))
+         do k = 1, merge(balance%system%torque_paths%rows, 0, torques)
+            if (.not. balance%system%torque_paths%known(k)) missing(:, 2*m + k) = 0
+         end do
+      end associate
+      whole = 1/max(whole, tiny(whole))
+      do k = 1, n
+         felt_tail(k) = maxval(norm2(missing(2*k:2*k + 1, :), 1)*whole)
+      end do
+      do k = 1, size(carried)
+         carried(k) = maxval(norm2(readings(2*k:2*k + 1, :), 1)*whole)
+      end do
+      call estimate%weigh(balance, u, carried, felt_tail, maxval(norm2(missing(2:, :), 1)*whole))
+   end subroutine weigh_readings
 
    !> Alternating part of each reading [unit of the reading times the square root of 2], (reading).
    pure function swings(readings)

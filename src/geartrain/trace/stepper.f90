@@ -27,8 +27,6 @@ module geartrain_trace_stepper
 
    type, extends(resonance_stepper_type) :: stepper_type
       type(recorder_type) :: recorder
-      !> The branch is shown: its points must have what is read off it, and their errors. Else it only leads to its end.
-      logical :: shows = .true.
       !> Number of the segment of the branch that is traced.
       integer :: segment = 1
       !> Points that miss the tolerance, where harmonics = 0.
