@@ -253,3 +253,62 @@ def test_random_trains(times):
     off, compared = compare(range(times(400)))
     assert compared > times(1200)
     assert len(off) <= compared / 300 and all(abs(ratio - 1) < 0.1 for _, _, ratio in off), off
+
+
+def end_disc(order, gap):
+    """A pair with a light disc on the pinion's shaft, in resonance with a harmonic of the mesh at Lambda 0.8."""
+    stiffness, radii, inertias = 3e8, (0.05, 0.08), (4e-3, 2e-2)
+    mass = 1 / sum(radius**2 / inertia for radius, inertia in zip(radii, inertias))
+    speed = np.sqrt(stiffness / mass)
+    reduced = 1 / (1 / 1e-4 + 1 / inertias[0])
+    twist = (order * 0.8 * speed) ** 2 * reduced
+    return gt.Train(
+        characteristic_length=1e-6, characteristic_frequency=speed,
+        bodies=[gt.Body(name="disc", inertia=1e-4, torque=0.0), gt.Body(name="pinion", inertia=inertias[0], torque=80.0),
+                gt.Body(name="wheel", inertia=inertias[1]), gt.Body(name="load", inertia=1.0, balances=True)],
+        shafts=[gt.Shaft(between=("disc", "pinion"), stiffness=twist, damping=2.4e-3 * np.sqrt(twist * reduced)),
+                gt.Shaft(between=("wheel", "load"), stiffness=2e4, damping=0.04 * np.sqrt(2e4 * inertias[1]))],
+        meshes=[gt.Mesh(between=("pinion", "wheel"), driving_radius=radii[0], driven_radius=radii[1], stiffness=stiffness,
+                        damping=0.12 * np.sqrt(stiffness * mass), half_backlash=gap, stiffness_cos=[0.2, 0.05],
+                        stiffness_sin=[0.0, 0.02], error_cos=[1e-6])])
+
+
+@pytest.mark.parametrize("order", [9, 10, 12])
+@pytest.mark.parametrize("gap", [5e-6, 1e-3])  # teeth part or stay in contact
+def test_a_harmonic_that_hardly_moves_the_mesh(order, gap):
+    train = end_disc(order, gap)
+    exact = read(train.response(start=0.7, stop=1.2, harmonics=30))[0]
+    chosen = train.response(start=0.7, stop=1.2, harmonics=0, tolerance=1e-3)
+    np.testing.assert_allclose(read(chosen)[0], exact, rtol=2e-3)
+    assert chosen.reading_error_estimate.max() < 1e-3
+    # The given number of harmonics does not have it: the point at the resonance says so.
+    given = train.response(start=0.7, stop=1.2)
+    worst = np.argmax(given.reading_error_estimate)
+    largest = np.abs(given.shaft_torque_mean).max()
+    assert (exact[0] - read(given)[0][0]) / max(exact[0], 0.1 * largest) < 2 * given.reading_error_estimate[worst]
+    assert given.reading_error_estimate[worst] > 0.4
+    assert max(motion.reading_error_estimate for motion in given.at(given.frequency[worst])) \
+        == pytest.approx(given.reading_error_estimate[worst], rel=1e-6)
+    words = " ".join(given.report().split())
+    assert "harmonics that are not carried make more than 1 % of the alternating torque of a shaft" in words
+    assert "not carried" not in chosen.report()
+
+
+def test_a_bearing_in_resonance_with_a_harmonic_that_is_not_carried():
+    parts = pair(0.05, [1e-6], 5e-6, torque=80.0, bearings=[("pinion", 2.0, 2.0 * (7 * 0.8 * NATURAL * SPEED) ** 2,
+                                                2 * 0.005 * 2.0 * 7 * 0.8 * NATURAL * SPEED)])
+    train = parts.train()
+    train = replace(train, meshes=[replace(mesh, stiffness_cos=[0.2, 0.05]) for mesh in train.meshes])
+    ends = {"start": 0.7 * NATURAL, "stop": 1.2 * NATURAL}
+
+    def swing(motion):
+        return (motion.bearing_force_maximum - motion.bearing_force_minimum).max()
+
+    exact = train.response(harmonics=30, **ends)
+    assert swing(train.response(harmonics=0, tolerance=1e-3, **ends)) == pytest.approx(swing(exact), rel=2e-3)
+    given = train.response(**ends)
+    worst = np.argmax(given.reading_error_estimate)
+    at = given.frequency[worst]
+    off = 1 - max(map(swing, given.at(at))) / max(map(swing, exact.at(at)))
+    assert 0.3 < off < 2 * given.reading_error_estimate[worst]
+    assert given.mesh_error_estimate[worst, 1:].max() > 0.3 > given.error_estimate[worst]

@@ -77,6 +77,10 @@ class Branch(Curves):
     error_estimate : ndarray, (points,)
         Relative error of the waveform as estimated, against the motion at the same Lambda or, where the branch turns before it,
         that of its fold.
+    reading_error_estimate : ndarray, (points,), or None
+        Error, as estimated, of the shaft torque, bearing force or displacement of a mesh without backlash where it is largest, by
+        harmonics that are not carried, over its alternating part or, of a small one, over a tenth of the largest of its kind.
+        None for trains with dry friction.
     estimate_doubtful : ndarray of bool, (points,)
         Where that may be off by more than a small factor: a fold as near as it is itself misplaced, a contact that begins or ends
         within the error, or an error beyond 0.1.
@@ -127,6 +131,7 @@ class Branch(Curves):
     multipliers: NDArray[np.complex128] | None
     coefficients: Array
     error_estimate: Array
+    reading_error_estimate: Array | None
     estimate_doubtful: NDArray[np.bool_]
     harmonics: NDArray[np.intc]
     segment: NDArray[np.intc]

@@ -84,6 +84,9 @@ class Motion(Pictures, Recording):
         driving one of the mesh that follows; for the last shaft the driven one before it), all over characteristic_length.
     error_estimate : float
         Relative error of the waveform as estimated; nan where there is no estimate.
+    reading_error_estimate : float
+        Error, as estimated, of the shaft torque, bearing force or displacement of a mesh without backlash where it is largest, by
+        harmonics that are not carried, over its alternating part; nan where there is no estimate.
     share : float
         Share of the random starts that settled here (`Train.attractors`); nan where none were counted.
     lyapunov_exponent : float
@@ -129,6 +132,7 @@ class Motion(Pictures, Recording):
     multipliers: NDArray[np.complex128] | None = field(default=None, repr=False)
     state: Array | None = field(default=None, repr=False)
     error_estimate: float = float("nan")
+    reading_error_estimate: float = float("nan")
     share: float = float("nan")
     shaft_torque_mean: Array | None = None
     shaft_torque_minimum: Array | None = None

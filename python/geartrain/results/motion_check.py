@@ -31,7 +31,7 @@ VALUES = (
     *("mesh_force_maximum", "dynamic_factor", "separation_fraction", "back_contact_fraction"),
 )
 #: Numbers of a motion, one each.
-NUMBERS = ("error_estimate", "share", "lyapunov_exponent", "lyapunov_error", "ringing")
+NUMBERS = ("error_estimate", "reading_error_estimate", "share", "lyapunov_exponent", "lyapunov_error", "ringing")
 _KINDS = ("periodic", "stationary", "chaotic", "quasi-periodic", "still settling", "undecided", "unbounded")
 _LARGEST = 1e20  # of any number, as in a case file
 _LONGEST = 2**31 - 1  # periods of the fundamental, what Fortran can count; the harmonics must hold them as well

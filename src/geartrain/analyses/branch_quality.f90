@@ -14,6 +14,8 @@ module geartrain_analyses_branch_quality
 
    !> Relative error of the waveform above which a motion counts as inaccurate where the case gives the harmonics [1].
    real(dp), parameter :: usual_tolerance = 1e-3_dp
+   !> Share of a reading by harmonics that are not carried above which the reading counts as inaccurate [1].
+   real(dp), parameter :: lacking = 1e-2_dp
    !> Kinds of special points that rest on undecided motions.
    character(16), parameter :: kinds(4) = [character(16) :: 'fold', 'period doubling', 'neimark-sacker', 'branch point']
 
@@ -40,6 +42,7 @@ contains
 
       if (branch%points > 0) then
          call say_accuracy(branch, name, settings, told, whole, sheet)
+         call say_lacking(branch, name, told, sheet)
          if (allocated(branch%undecided)) call say_undecided(branch, name, told, sheet)
          if (whole .and. .not. allocated(branch%stable)) call sheet%say(in_quality, name//': stability was not computed; unstable &
                                                                         &motions count as well.')
@@ -92,6 +95,28 @@ contains
       end if
       call sheet%say(in_quality, words//'.')
    end subroutine say_accuracy
+
+   !> Adds how many motions have a torque that lacks harmonics, as where a shaft is in resonance with one that is not carried.
+   subroutine say_lacking(branch, name, told, sheet)
+      type(branch_type), intent(in) :: branch
+      character(*), intent(in) :: name
+      type(frequency_text_type), intent(in) :: told
+      type(sheet_type), intent(inout) :: sheet
+      character(:), allocatable :: place
+      integer :: lack, worst
+
+      if (.not. allocated(branch%reading_error_estimate)) return
+      associate (error => branch%reading_error_estimate(:branch%points))
+         lack = count(error > lacking)
+         if (lack == 0) return
+         worst = maxloc(error, 1)
+         call told%with_unit(told%number(branch%frequency_ratio(worst)), place)
+         call sheet%say(in_quality, name//': in '//counted(lack, 'motion', 'motions')//' harmonics that are not carried make more &
+                        &than '//significant(100*lacking)//' % of the alternating torque of a shaft, force of a bearing or &
+                        &displacement of a mesh without backlash (estimate; worst '//significant(100*error(worst))//' % at '// &
+                        place//'): use harmonics = 0.')
+      end associate
+   end subroutine say_lacking
 
    !> Adds how many verdicts on stability are guesses, and the special points that rest on them.
    subroutine say_undecided(branch, name, told, sheet)

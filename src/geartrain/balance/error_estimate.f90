@@ -60,14 +60,18 @@ module geartrain_balance_error_estimate
       complex(dp), allocatable :: tail(:, :)
       !> Forces of the unknown meshes at the tail [1], (tail, unknown).
       complex(dp), allocatable :: force(:, :)
-      !> Amplitudes at the carried harmonics and at the tail as what is read off the motion feels them, see `weigh` [1].
+      !> What the tail has in the reading of which it is the largest part, over that reading [1], see `weigh`.
+      real(dp) :: missing = 0
+      !> Amplitudes at the carried harmonics and at the tail as the readings feel them, see `weigh`; amplitude of the motion [1].
       real(dp), allocatable :: felt(:), felt_tail(:)
+      real(dp), private :: scale = 0
       !> Error of the carried coefficients with the sign of a first-order correction [1], (block, unknown).
       real(dp), allocatable, private :: error(:, :)
       type(tail_equations_type), private :: equations
    contains
       procedure :: waveform_error
       procedure :: sample_error
+      procedure :: felt_at
       procedure :: square_of
       procedure :: weigh
       procedure, private :: reserve
@@ -96,13 +100,14 @@ contains
       real(dp), intent(in), optional :: residual(:, :)
       real(dp) :: correction(balance%block, balance%unknowns), error(balance%block, balance%unknowns), y, way, scale, own
       integer :: i, m
-      !> Harmonics left out may excite linear meshes; few harmonics of the tail matter; they are coupled as far as they need.
-      logical :: condensed, sparse, settled
+      !> Few harmonics of the tail matter; they are coupled as far as they need.
+      logical :: sparse, settled
 
       estimate%relative = 0
       estimate%limited = 0
       estimate%doubtful = .false.
       estimate%mesh = [(0.0_dp, i=1, balance%system%meshes)]
+      estimate%missing = 0
       if (allocated(estimate%felt)) deallocate (estimate%felt, estimate%felt_tail)
       call estimate%reserve(balance)
       ! Handed on as it is, an array that is not allocated would be one of no size.
@@ -124,7 +129,6 @@ contains
          return
       end if
       sparse = balance%chosen .and. balance%parts() .and. .not. matrix%solves_in_time()
-      condensed = size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes
       call estimate%equations%take(balance, frequency_ratio, estimate%harmonic(:estimate%count))
       call estimate%equations%driven_forces(balance, u, estimate%tail(:estimate%count, :))
       if (sparse) call keep(negligible_force, balance%eta*excited_harmonics(balance%system))
@@ -140,10 +144,8 @@ contains
             call carry(tail, .true.)
             if (sparse) call couple(tail)
          end if
-         do i = 1, balance%unknowns
-            do m = 1, n
-               estimate%force(m, i) = estimate%force(m, i) + balance%mean_stiffness(i, harmonic(m))*tail(m, i)
-            end do
+         do concurrent (i=1:balance%unknowns, m=1:n)
+            estimate%force(m, i) = estimate%force(m, i) + balance%mean_stiffness(i, harmonic(m))*tail(m, i)
          end do
          call find_remainder(balance, u, estimate)
          scale = sqrt(max(sum(u(2:, :)**2), tiny(1.0_dp)))
@@ -153,7 +155,8 @@ contains
          error = correction + way_back(y, slope, bend)*tangent
          estimate%relative = sqrt(sum(tail%re**2 + tail%im**2) + 2*sum(error(1, :)**2) + sum(error(2:, :)**2))/scale
          estimate%error = error
-         if (condensed) then
+         ! Harmonics left out may excite linear meshes.
+         if (size(balance%left_out) > 0 .and. balance%unknowns < balance%system%meshes) then
             way = condensed_error(balance, u, frequency_ratio, estimate)
             estimate%relative = max(estimate%relative, way)
             estimate%limited = max(estimate%limited, way)
@@ -282,7 +285,7 @@ contains
       call self%equations%reserve(balance, last)
    end subroutine reserve
 
-   !> Displacements of linear meshes at the harmonics of the excitation that the balance leaves out, relative to their waveforms [1].
+   !> Displacements of linear meshes at the excited harmonics that the balance leaves out, relative to their waveforms [1].
    real(dp) function condensed_error(balance, u, frequency_ratio, estimate)
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: u(:, :), frequency_ratio
@@ -313,20 +316,33 @@ contains
    !> shaft. So the set of harmonics and its size are chosen by what the readings miss, too.
    subroutine weigh(self, balance, u, felt, felt_tail, missing)
       class(error_estimate_type), intent(inout) :: self
-      !> The balance of the estimate, and the motion.
+      !> The balance of the estimate.
       type(balance_type), intent(in) :: balance
+      !> The motion [1], (block, unknown).
       real(dp), intent(in) :: u(:, :)
-      !> Part that each carried harmonic, and each of the tail, has in the reading where it is largest; what the tail has in the
-      !> reading of which it is the largest part [1].
+      !> Part that each carried harmonic, each of the tail, and all of the tail have in the reading where it is largest [1].
       real(dp), intent(in) :: felt(:), felt_tail(:), missing
-      real(dp) :: scale
 
-      scale = norm2(u(2:, :))
-      self%felt = scale*felt
-      self%felt_tail = scale*felt_tail
+      self%scale = norm2(u(2:, :))
+      self%felt = self%scale*felt
+      self%felt_tail = self%scale*felt_tail
+      self%missing = missing
       self%limited = max(self%limited, missing)
       call find_remainder(balance, u, self)
    end subroutine weigh
+
+   !> Part that a harmonic of the tail has in the reading where it is largest [1]; 1: not known.
+   pure real(dp) function felt_at(self, harmonic)
+      class(error_estimate_type), intent(in) :: self
+      !> Number of the harmonic of Lambda/eta.
+      integer, intent(in) :: harmonic
+      integer :: m
+
+      felt_at = 1
+      if (.not. allocated(self%felt_tail)) return
+      m = findloc(self%harmonic(:self%count), harmonic, 1)
+      if (m > 0 .and. self%scale > 0) felt_at = self%felt_tail(m)/self%scale
+   end function felt_at
 
    !> Estimated difference of the exact displacement over b_c from the displacement of the balance, at an instant [1].
    pure real(dp) function waveform_error(self, balance, i, theta)
@@ -400,15 +416,15 @@ contains
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: u(:, :)
       type(error_estimate_type), intent(inout) :: estimate
-      real(dp) :: square
       integer :: k, m
 
       associate (remainder => estimate%remainder)
          remainder = 0
          do k = 1, size(balance%harmonic)
-            square = sum(u(2*k:2*k + 1, :)**2)
-            if (allocated(estimate%felt)) square = max(square, estimate%felt(k)**2)
-            remainder(balance%harmonic(k) - 1) = square
+            associate (square => remainder(balance%harmonic(k) - 1))
+               square = sum(u(2*k:2*k + 1, :)**2)
+               if (allocated(estimate%felt)) square = max(square, estimate%felt(k)**2)
+            end associate
          end do
          do m = 1, estimate%count
             k = min(estimate%harmonic(m) - 1, ubound(remainder, 1))

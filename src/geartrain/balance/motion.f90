@@ -78,6 +78,9 @@ module geartrain_balance_motion
       real(dp) :: lyapunov_error = 0
       !> Estimated relative error of the waveform [1]; negative: no estimate.
       real(dp) :: error_estimate = -1
+      !> Largest part of harmonics that are not carried in a torque of a shaft, a force of a bearing or the displacement of a mesh
+      !> without backlash [1]; negative: no estimate.
+      real(dp) :: reading_error_estimate = -1
       !> Share of random starts that settled on this motion [1]; negative: not counted.
       real(dp) :: share = -1
    end type motion_type

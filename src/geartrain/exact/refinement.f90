@@ -232,6 +232,7 @@ contains
       end if
       branch%error_estimate(i) = motion%error_estimate
       branch%mesh_error_estimate(:, i) = motion%error_estimate
+      if (allocated(branch%reading_error_estimate)) branch%reading_error_estimate(i) = motion%error_estimate
       branch%estimate_doubtful(i) = .false.
       if (.not. allocated(branch%stable)) return
       ! Multipliers are in descending order; of a train of many states a branch has the leading multipliers only.

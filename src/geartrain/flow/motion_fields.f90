@@ -15,6 +15,7 @@ module geartrain_flow_motion_fields
    private
    public :: carry_loads, carry_states, coefficient_axis, visit_motions
    public :: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, about_mesh, about_minimum, &
+      about_reading_error, &
       about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, carry_torques, on_stability
 
    !> Descriptions that several groups of fields share.
@@ -25,6 +26,8 @@ module geartrain_flow_motion_fields
       &squared harmonic amplitudes, sqrt(2) times the true AC rms'
    character(*), parameter :: about_true_ac_rms = 'root mean square over time of mesh displacement / characteristic_length without &
       &its mean; rms / sqrt(2)'
+   character(*), parameter :: about_reading_error = 'estimated error by harmonics that are not carried, of the torque of a shaft, &
+      &force of a bearing or displacement of a mesh without backlash where it is largest, over its alternating part'
    character(*), parameter :: about_mean = 'mean mesh displacement / characteristic_length'
    character(*), parameter :: about_minimum = 'smallest mesh displacement over the period / characteristic_length'
    character(*), parameter :: about_maximum = 'largest mesh displacement over the period / characteristic_length'
@@ -211,6 +214,9 @@ contains
       if (fields%has('error_estimate', motion%error_estimate >= 0)) &
          call carry(fields, row('error_estimate', '', '1', 'estimated relative error of the waveform', &
                                 'where there is an estimate', none_is_negative=.true.), motion%error_estimate)
+      if (fields%has('reading_error_estimate', motion%reading_error_estimate >= 0)) &
+         call carry(fields, row('reading_error_estimate', '', '1', about_reading_error, 'where there is an estimate', &
+                                none_is_negative=.true.), motion%reading_error_estimate)
       exponent = ieee_value(exponent, ieee_quiet_nan)
       if (allocated(motion%lyapunov_exponent)) exponent = motion%lyapunov_exponent
       if (fields%has('lyapunov_exponent', allocated(motion%lyapunov_exponent))) then

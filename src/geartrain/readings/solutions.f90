@@ -288,6 +288,7 @@ contains
                motion%load_share_maximum = found%load_share_maximum(:, i)
             end if
             motion%error_estimate = found%error_estimate(i)
+            if (allocated(found%reading_error_estimate)) motion%reading_error_estimate = found%reading_error_estimate(i)
             if (.not. settings%stability) cycle
             if (found%states > 0) motion%multipliers = found%multipliers(:, i)
             motion%assessed = found%states == 0

@@ -116,8 +116,7 @@ contains
          else
             call find_error_estimate(c%balance, s%u, c%balance%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
                                      c%units%frequency_ratio, c%matrix, self%estimate)
-            if (self%settings%harmonics == 0 .and. self%shows) call weigh_readings(c%balance, s%u, self%settings%shaft_torque, &
-                                                                                    self%estimate)
+            if (self%shows) call weigh_readings(c%balance, s%u, self%settings%shaft_torque, self%estimate)
          end if
       end associate
    end subroutine estimate_error

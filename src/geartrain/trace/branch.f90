@@ -11,8 +11,8 @@ module geartrain_trace_branch
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_settings, only: response_settings_type
    use geartrain_flow_motion_fields, only: about_coefficients, about_frequency, about_growth_rate, about_maximum, about_mean, &
-      about_mesh, about_minimum, about_multipliers, about_rms, about_shaft, about_stable, about_true_ac_rms, about_undecided, &
-      carry_loads, carry_states, carry_torques, coefficient_axis, on_stability
+      about_reading_error, about_mesh, about_minimum, about_multipliers, about_rms, about_shaft, about_stable, &
+      about_true_ac_rms, about_undecided, carry_loads, carry_states, carry_torques, coefficient_axis, on_stability
    use geartrain_trace_stages, only: no_stage
    use geartrain_flow_torque_fields, only: about_coupling, about_held, loss_row
    implicit none (type, external)
@@ -139,6 +139,8 @@ module geartrain_trace_branch
       !> Estimated relative error of the waveform [1], (point), and of each mesh by itself, (mesh, point): distance to the exact
       !> motion at the same Lambda, or to the fold of the exact branch where the exact branch turns before this Lambda.
       real(dp), allocatable :: error_estimate(:), mesh_error_estimate(:, :)
+      !> As of a motion, (point); not allocated where shooting takes the place of the balance.
+      real(dp), allocatable :: reading_error_estimate(:)
       !> States at time 0 [1], (coordinate, point); allocated where dry friction takes shooting in place of balance.
       real(dp), allocatable :: state(:, :)
       !> Relative change of the waveform by refine_branch [1], (point), the error before it; negative: not refined; not allocated:
@@ -319,8 +321,7 @@ contains
          end if
       end if
       if (allocated(branch%coefficients) .or. fields%way == listing) call coefficient_axis(branch%orders, fields)
-      ! A branch of which only the origin is known so far has no points and nothing else.
-      none = branch%points == 0
+      none = branch%points == 0   ! only the origin is known so far
       call visit_free(branch, fields, none)
       call carry(fields, row('rms', 'point mesh', '1', about_rms, optional=none), branch%rms)
       if (fields%derives()) then
@@ -360,8 +361,10 @@ contains
                              &against the exact motion at this Lambda or, where the branch turns before it, at the fold', &
                              optional=none), branch%error_estimate)
       call carry(fields, row('mesh_error_estimate', 'point mesh', '1', 'estimated error of the waveform of a mesh over its &
-                             &amplitude; equal to error_estimate for a mesh without backlash', optional=none), &
-                 branch%mesh_error_estimate)
+           &amplitude; not below error_estimate for a mesh without backlash', optional=none), branch%mesh_error_estimate)
+      if (fields%has('reading_error_estimate', allocated(branch%reading_error_estimate))) &
+         call carry(fields, row('reading_error_estimate', 'point', '1', about_reading_error, 'where a balance gives the motions'), &
+                    branch%reading_error_estimate)
       call carry(fields, row('estimate_doubtful', 'point', '1', '1 = error_estimate may be wrong by more than a small factor: a &
                              &fold within its own error, a contact that begins or ends within the error, or an error above 0.1', &
                              optional=none), branch%estimate_doubtful)

@@ -98,8 +98,8 @@ contains
 
    contains
 
-      !> Traces up to where the branch rises above the limit, anew with shorter steps where one of them led to a closed branch. What a
-      !> resumed run began with is not known.
+      !> Traces up to where the branch rises above the limit, anew with shorter steps where one of them led to a closed branch. The
+      !> motion with which a resumed run began is not known.
       subroutine trace_on()
          type(solution_point_type) :: start, began_before
          real(dp) :: step

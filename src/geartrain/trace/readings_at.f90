@@ -14,6 +14,8 @@ module geartrain_trace_readings_at
    real(dp), parameter :: felt = 1e-4_dp
    !> Reading to which the error of a smaller one of its kind is relative, over the largest [1].
    real(dp), parameter :: counted = 0.1_dp
+   !> Displacement of a mesh without backlash to which its own error is relative at least, over the largest [1].
+   real(dp), parameter :: least_share = 1e-6_dp
    !> Part of the unit of length of the branch over which readings are differentiated.
    real(dp), parameter :: difference = 1e-7_dp
 
@@ -80,8 +82,9 @@ contains
 
    !> Lets the error estimate of a motion see what readings of linear parts miss at the harmonics of its tail.
    subroutine weigh_readings(balance, u, torques, estimate)
-      !> The balance, evaluated at the motion, and the motion [1], (block, unknown).
+      !> The balance, evaluated at the motion.
       type(balance_type), intent(in) :: balance
+      !> The motion [1], (block, unknown).
       real(dp), intent(in) :: u(:, :)
       !> Torques of shafts and forces of bearings are read.
       logical, intent(in) :: torques
@@ -112,6 +115,12 @@ contains
             if (.not. balance%system%torque_paths%known(k)) missing(:, 2*m + k) = 0
          end do
       end associate
+      do k = 1, balance%system%meshes
+         if (any(balance%mesh == k)) cycle
+         associate (own => norm2(readings(2:, k)), largest => maxval(whole(:balance%system%meshes)))
+            estimate%mesh(k) = max(estimate%mesh(k), norm2(missing(2:, k))/max(own, least_share*largest, tiny(own)))
+         end associate
+      end do
       whole = 1/max(whole, tiny(whole))
       do k = 1, n
          felt_tail(k) = maxval(norm2(missing(2*k:2*k + 1, :), 1)*whole)

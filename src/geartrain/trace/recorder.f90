@@ -65,7 +65,7 @@ contains
       if (present(shaft_torque)) self%shaft_torque = shaft_torque
       call begin_branch(balance%system, balance%eta, balance%highest, self%shaft_torque, branch, balance%path)
       if (balance%chosen) branch%orders = [integer ::]
-      allocate (branch%arclength(0), branch%free_slope(0), branch%rms_slope(0, 0))
+      allocate (branch%arclength(0), branch%free_slope(0), branch%rms_slope(0, 0), branch%reading_error_estimate(0))
       if (stability) then
          self%to_their_digits = .false.
          if (present(multipliers)) self%to_their_digits = multipliers
@@ -158,6 +158,7 @@ contains
       end do
       branch%error_estimate(n) = estimate%relative
       branch%mesh_error_estimate(:, n) = estimate%mesh
+      branch%reading_error_estimate(n) = estimate%missing
       branch%estimate_doubtful(n) = estimate%doubtful
       branch%point_harmonics(n) = balance%highest
       branch%segment(n) = segment

@@ -21,6 +21,9 @@ module geartrain_trace_resonance_stepper
    real(dp), parameter :: visible = 0.1_dp, hidden = 0.01_dp
    !> Height of a reading above its values at the ends of the step, over them, from which on it stands out [1].
    real(dp), parameter :: stands = 0.02_dp
+   !> Share of a reading by a harmonic that is not carried, at its resonance, from which on a point shows it; share at the beginning
+   !> of a step below which it is too small there [1].
+   real(dp), parameter :: lacking = 0.1_dp, faint = 1e-5_dp
    !> Distance from a resonance over its half width at which a point is at it [1].
    real(dp), parameter :: at_it = 1e-6_dp
 
@@ -50,7 +53,7 @@ contains
       real(dp), intent(out) :: at
       !> It is to end there, before `next`.
       logical, intent(out) :: stops
-      real(dp) :: limit, off
+      real(dp) :: limit, off, felt
       type(solution_point_type) :: guess, solution
       integer, allocatable :: harmonic(:)
       !> Readings at both ends and at a resonance, (coefficient, reading, place); not allocated: not known.
@@ -67,12 +70,17 @@ contains
          reads = torques .or. c%balance%unknowns < c%balance%system%meshes
          if (.not. found%known) call found%setup(c%balance)
          harmonic = next%harmonic
-         if (self%settings%harmonics == 0 .and. .not. c%balance%parts()) &
+         if (merge(reads, .not. c%balance%parts(), self%settings%harmonics > 0)) &
             harmonic = [harmonic, tail_harmonics(c%balance, next%frequency_ratio)]
          limit = off_cubic*curve_limit(c, next)
          limit = min(limit, max(visible*max(motion(here), motion(next)), hidden*limit))
          do h = 1, size(harmonic)
             carried = h <= size(next%harmonic)
+            felt = 1
+            if (.not. carried .and. self%settings%harmonics > 0) then
+               felt = self%estimate%felt_at(harmonic(h))
+               if (felt < faint) cycle
+            end if
             call found%find(c%balance, harmonic(h), ends)
             do n = 1, found%number
                associate (place => found%at(n), half_width => found%half_width(n))
@@ -81,7 +89,7 @@ contains
                      if (reads .and. carried .and. abs(ends(1) - place) < at_it*half_width) call stop_beside(place, half_width)
                      cycle
                   end if
-                  matters = .not. carried
+                  matters = felt*abs(ends(1) - place) > lacking*half_width
                   if (carried) then
                      matters = max(norm2(here%u(2*h:2*h + 1, :))*abs(ends(1) - place), &
                                    norm2(next%u(2*h:2*h + 1, :))*abs(ends(2) - place)) > half_width*limit*c%units%length
@@ -100,7 +108,11 @@ contains
                      off = c%length_of(solution%u - guess%u)
                      if (.not. carried) then
                         call self%estimate_error(solution)
-                        off = max(off, self%estimate%limited*norm2(solution%u(2:, :))/c%units%length)
+                        if (self%settings%harmonics == 0) then
+                           off = max(off, self%estimate%limited*norm2(solution%u(2:, :))/c%units%length)
+                        else if (self%estimate%missing > lacking) then
+                           call stop_beside(place, half_width)
+                        end if
                      end if
                      passes = off > limit
                   end if
