@@ -122,3 +122,15 @@ def test_random_trains_of_little_damping(times):
     seeds = range(times(150))
     early = [seed for seed in seeds if not trace(seed, 0.15, 1e-2, stability=False).complete]
     assert len(early) <= 2, early
+
+
+def test_where_stability_is_lost_without_a_fold_the_other_stable_motions_are_counted():
+    branch = gt.read_case(ROOT / "namelists" / "fig10.nml").train.response(start=0.2, stop=2.6, harmonics=8)
+    leaving = [jump for jump in branch.jumps if jump.kind == "leaves" and jump.cause == "period doubling" and not jump.undecided]
+    assert len(leaving) > 5
+    for jump in leaving:
+        beyond = branch.at(jump.frequency * (1 + (1e-4 if jump.direction == "rising" else -1e-4)))
+        assert jump.candidates == sum(motion.stable and not motion.undecided for motion in beyond) > 0
+        assert np.isnan(jump.after).all()
+    assert "vibration switches to half its frequency, or jumps to one of 4 other stable motions of this curve" \
+        in " ".join(branch.report(verbose=True).split())

@@ -97,7 +97,8 @@ class Jump:
         Lambda.
     kind : str
         ``'jump up'`` or ``'jump down'``: to a larger or a smaller amplitude, all meshes together. ``'leaves'``: the branch has no
-        other stable motion there.
+        other stable motion there, or stability is lost without a fold: the sweep goes on beside the branch, or jumps to one of the
+        ``candidates``.
     direction : str
         ``'rising'`` or ``'falling'``: the way in which the speed of the sweep goes that jumps here.
     cause : str

@@ -58,6 +58,9 @@ contains
          words = trim(words)//' '//place
          if (found(i)%kind == 'leaves') then
             words = words//' '//trim(ending(found(i)%cause, branch, train))
+            if (found(i)%candidates == 1) words = words//', or jumps to the other stable motion of this curve'
+            if (found(i)%candidates > 1) words = words//', or jumps to one of '//text(found(i)%candidates) &
+                                                 //' other stable motions of this curve'
          else
             mesh = maxloc(abs(found(i)%after - found(i)%before), 1)
             words = words//' '//trim(found(i)%kind)//', '//trim(mesh_word(train%meshes, mesh))//' from '// &

@@ -11,7 +11,7 @@ module geartrain_readings_jumps
 
    type :: jump_type
       !> 'jump up', 'jump down': to a larger or smaller amplitude (all meshes together); 'leaves': the branch has no other stable
-      !> motion at this Lambda.
+      !> motion at this Lambda, or stability is lost without a fold, and the sweep may go on beside the branch.
       character(9) :: kind = ''
       !> The sweep that jumps goes up in speed; else down.
       logical :: rising = .true.
@@ -36,7 +36,7 @@ contains
    !>
    !> At a fold with one stable side, a sweep along this side jumps to another stable motion at the Lambda of the fold. If the
    !> branch has several, the motion of nearest rms (all meshes) is taken: which motion a sweep reaches, the branch does not tell.
-   !> Where stability is lost without a fold, the next motion lies on another branch.
+   !> Where stability is lost without a fold, the next motion lies on another branch, unless the sweep jumps.
    pure function jumps(branch) result(found)
       !> A branch, with or without stability.
       type(branch_type), intent(in) :: branch
@@ -169,8 +169,8 @@ contains
       point = 0
       undecided = .false.
       allocate (nearest(branch%meshes), source=-1.0_dp)
-      if (branch%special_points(s)%kind /= 'fold') return
-      own = own_points(branch, s)
+      own = branch%special_points(s)%point + [0, 1]
+      if (branch%special_points(s)%kind == 'fold') own = own_points(branch, s)
       associate (f => branch%special_points(s)%frequency_ratio)
          do i = 1, branch%points - 1
             if (i >= own(1) .and. i < own(2) .or. .not. joined(branch, i)) cycle
@@ -192,6 +192,12 @@ contains
             undecided = is_undecided(branch, i) .and. is_undecided(branch, i + 1)
          end do
       end associate
+      if (branch%special_points(s)%kind /= 'fold') then
+         nearest = -1
+         point = 0
+         undecided = .false.
+         return
+      end if
       do i = 1, size(branch%special_points)
          if (i /= s .and. .not. undecided) undecided = ends_near(branch, s, i)
       end do

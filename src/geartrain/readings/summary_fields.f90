@@ -111,7 +111,7 @@ contains
       direction = merge('rising ', 'falling', jump%rising)
       call carry_free(branch, fields, jump%frequency_ratio)
       call carry(fields, row('kind', '', '', 'jump up, jump down: to a larger or smaller amplitude of all meshes together; leaves: &
-                             &the branch has no other stable motion there'), jump%kind)
+                             &the branch has no other stable motion there, or stability is lost without a fold'), jump%kind)
       call carry(fields, row('direction', '', '', 'rising or falling speed in the sweep'), &
                  direction)
       call carry(fields, row('cause', '', '', 'kind of the special point at which the stable motion ends'), jump%cause)

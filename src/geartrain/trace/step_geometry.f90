@@ -14,7 +14,7 @@ module geartrain_trace_step_geometry
    real(dp), parameter :: cosine_limit = 0.5_dp
    !> Lambda part of a unit tangent, in the unit of Lambda, below which its sign is rounding [1]: a branch of period 2 leaves
    !> vertically and is vertical until contact is lost.
-   real(dp), parameter :: vertical = 1e-6_dp
+   real(dp), parameter :: vertical = 1e-5_dp
 
 contains
 
