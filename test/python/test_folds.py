@@ -106,7 +106,7 @@ def trace(seed, variation, tolerance, **settings):
 @pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 @pytest.mark.parametrize("seed, variation, tolerance, stability", [
     (17, 0.1, 1e-3, False),  # fewer harmonics led back to the same point, 20000 times
-    (93, 0.15, 1e-2, False), (3, 0.3, 1e-3, False), (243, 0.15, 1e-3, True), (358, 0.15, 1e-3, True)])  # no fold was found
+    (93, 0.15, 1e-2, False), (3, 0.3, 1e-3, False), (243, 0.15, 1e-3, True), (5, 0.3, 1e-3, False)])  # no fold was found
 def test_the_number_of_harmonics_changes_where_the_branch_is_nearly_vertical(seed, variation, tolerance, stability):
     branch = trace(seed, variation, tolerance, stability=stability)
     motion = np.column_stack([branch.segment, branch.frequency / branch.frequency.max() * 1e9, branch.rms / branch.rms.max() * 1e8])

@@ -163,7 +163,8 @@ def test_quality_counts_what_the_file_marks(told):
     worst = branch.error_estimate.argmax()
     assert (
         f"{bad.sum()} of {len(branch)} motions are less accurate than 0.001 (estimate; worst {branch.error_estimate.max():.4g} "
-        f"at Lambda {branch.frequency[worst]:.4f}): 6 harmonics are too few, use harmonics = 0"
+        f"at Lambda {branch.frequency[worst]:.4f}), torques of {(branch.reading_error_estimate > 0.01).sum()} than 0.01 "
+        f"(worst {branch.reading_error_estimate.max():.4g}): 6 harmonics are too few, use harmonics = 0"
     ) in words
     assert f"the stability of {branch.undecided.sum()} motions is undecided" in words
     assert f"all {len(results.integration)} motions settled" in words

@@ -42,7 +42,6 @@ contains
 
       if (branch%points > 0) then
          call say_accuracy(branch, name, settings, told, whole, sheet)
-         call say_lacking(branch, name, told, sheet)
          if (allocated(branch%undecided)) call say_undecided(branch, name, told, sheet)
          if (whole .and. .not. allocated(branch%stable)) call sheet%say(in_quality, name//': stability was not computed; unstable &
                                                                         &motions count as well.')
@@ -57,7 +56,8 @@ contains
       call say_end(branch, name, told, sheet)
    end subroutine say_quality
 
-   !> Adds how many motions miss the accuracy aimed at, and the cure.
+   !> Adds how many motions miss the accuracy aimed at, or have torques that lack harmonics, as where a shaft is in resonance with a
+   !> harmonic that is not carried, and the cure.
    subroutine say_accuracy(branch, name, settings, told, whole, sheet)
       type(branch_type), intent(in) :: branch
       character(*), intent(in) :: name
@@ -66,8 +66,8 @@ contains
       logical, intent(in) :: whole
       type(sheet_type), intent(inout) :: sheet
       character(:), allocatable :: words, place, places
-      real(dp) :: tolerance, error(branch%points)
-      integer :: missed, worst
+      real(dp) :: tolerance, error(branch%points), lack(branch%points)
+      integer :: missed, lacks, worst
 
       tolerance = usual_tolerance
       if (settings%harmonics == 0) tolerance = settings%tolerance
@@ -77,6 +77,15 @@ contains
          where (branch%correction(:branch%points) >= 0) error = 0
       end if
       missed = count(error > tolerance)
+      lack = 0
+      if (allocated(branch%reading_error_estimate)) lack = branch%reading_error_estimate(:branch%points)
+      lacks = count(lack > lacking)
+      if (missed == 0 .and. lacks > 0) then
+         call told%with_unit(told%number(branch%frequency_ratio(maxloc(lack, 1))), place)
+         call sheet%say(in_quality, name//': torques or bearing forces of '//text(lacks)//' of '// &
+                        counted(branch%points, 'motion', 'motions')//' are less accurate than '//significant(lacking)// &
+                        ' (estimate; worst '//significant(maxval(lack))//' at '//place//'): use harmonics = 0.')
+      end if
       if (missed == 0) then
          if (whole) call sheet%say(in_quality, name//': all '//text(branch%points)//' motions are accurate to '// &
                                    significant(tolerance)//' (estimate).')
@@ -87,6 +96,8 @@ contains
       words = name//': '//text(missed)//' of '//counted(branch%points, 'motion', 'motions')//trim(merge(' is ', ' are', &
               missed == 1))//' less accurate than '//significant(tolerance)//' (estimate; worst '//significant(error(worst))// &
               ' at '//place//')'
+      if (lacks > 0) words = words//', torques of '//text(lacks)//' than '//significant(lacking)//' (worst ' &
+                             //significant(maxval(lack))//')'
       if (settings%harmonics > 0) then
          words = words//': '//counted(branch%harmonics, 'harmonic is', 'harmonics are')//' too few, use harmonics = 0'
       else
@@ -95,28 +106,6 @@ contains
       end if
       call sheet%say(in_quality, words//'.')
    end subroutine say_accuracy
-
-   !> Adds how many motions have a torque that lacks harmonics, as where a shaft is in resonance with one that is not carried.
-   subroutine say_lacking(branch, name, told, sheet)
-      type(branch_type), intent(in) :: branch
-      character(*), intent(in) :: name
-      type(frequency_text_type), intent(in) :: told
-      type(sheet_type), intent(inout) :: sheet
-      character(:), allocatable :: place
-      integer :: lack, worst
-
-      if (.not. allocated(branch%reading_error_estimate)) return
-      associate (error => branch%reading_error_estimate(:branch%points))
-         lack = count(error > lacking)
-         if (lack == 0) return
-         worst = maxloc(error, 1)
-         call told%with_unit(told%number(branch%frequency_ratio(worst)), place)
-         call sheet%say(in_quality, name//': in '//counted(lack, 'motion', 'motions')//' harmonics that are not carried make more &
-                        &than '//significant(100*lacking)//' % of the alternating torque of a shaft, force of a bearing or &
-                        &displacement of a mesh without backlash (estimate; worst '//significant(100*error(worst))//' % at '// &
-                        place//'): use harmonics = 0.')
-      end associate
-   end subroutine say_lacking
 
    !> Adds how many verdicts on stability are guesses, and the special points that rest on them.
    subroutine say_undecided(branch, name, told, sheet)

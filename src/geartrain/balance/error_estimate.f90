@@ -326,12 +326,11 @@ contains
       self%scale = norm2(u(2:, :))
       self%felt = self%scale*felt
       self%felt_tail = self%scale*felt_tail
-      self%missing = missing
       self%limited = max(self%limited, missing)
       call find_remainder(balance, u, self)
    end subroutine weigh
 
-   !> Part that a harmonic of the tail has in the reading where it is largest [1]; 1: not known.
+   !> Part that a harmonic of the tail has, as of `weigh` [1]; 1: not known.
    pure real(dp) function felt_at(self, harmonic)
       class(error_estimate_type), intent(in) :: self
       !> Number of the harmonic of Lambda/eta.

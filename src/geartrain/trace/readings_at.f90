@@ -8,12 +8,14 @@ module geartrain_trace_readings_at
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
    implicit none (type, external)
    private
-   public :: count_readings, find_readings, find_rates_of, floors, swings, weigh_readings
+   public :: coarser, count_readings, find_readings, find_rates_of, floors, swings, weigh_readings
 
    !> Least alternating reading that counts, over the largest of its kind [1].
    real(dp), parameter :: felt = 1e-4_dp
    !> Reading to which the error of a smaller one of its kind is relative, over the largest [1].
    real(dp), parameter :: counted = 0.1_dp
+   !> Tolerance of a reading over the tolerance of the waveform [1]: a torque may need many harmonics where a shaft is in resonance.
+   real(dp), parameter :: coarser = 10
    !> Displacement of a mesh without backlash to which its own error is relative at least, over the largest [1].
    real(dp), parameter :: least_share = 1e-6_dp
    !> Part of the unit of length of the branch over which readings are differentiated.
@@ -128,7 +130,8 @@ contains
       do k = 1, size(carried)
          carried(k) = maxval(norm2(readings(2*k:2*k + 1, :), 1)*whole)
       end do
-      call estimate%weigh(balance, u, carried, felt_tail, maxval(norm2(missing(2:, :), 1)*whole))
+      estimate%missing = maxval(norm2(missing(2:, :), 1)*whole)
+      call estimate%weigh(balance, u, carried/coarser, felt_tail/coarser, estimate%missing/coarser)
    end subroutine weigh_readings
 
    !> Alternating part of each reading [unit of the reading times the square root of 2], (reading).

@@ -7,7 +7,7 @@ module geartrain_trace_resonance_stepper
    use geartrain_trace_adaptive_corrector, only: adaptive_corrector_type
    use geartrain_trace_corrector, only: solution_point_type
    use geartrain_trace_narrow_resonances, only: narrow_resonances_type
-   use geartrain_trace_readings_at, only: count_readings, find_readings, floors, swings
+   use geartrain_trace_readings_at, only: coarser, count_readings, find_readings, floors, swings
    use geartrain_trace_step_geometry, only: arc_length, go_along
    use geartrain_trace_step_length, only: carries_same, curve_limit
    implicit none (type, external)
@@ -78,7 +78,7 @@ contains
             carried = h <= size(next%harmonic)
             felt = 1
             if (.not. carried .and. self%settings%harmonics > 0) then
-               felt = self%estimate%felt_at(harmonic(h))
+               felt = coarser*self%estimate%felt_at(harmonic(h))
                if (felt < faint) cycle
             end if
             call found%find(c%balance, harmonic(h), ends)
