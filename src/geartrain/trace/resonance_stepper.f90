@@ -110,12 +110,14 @@ contains
                         call self%estimate_error(solution)
                         if (self%settings%harmonics == 0) then
                            off = max(off, self%estimate%limited*norm2(solution%u(2:, :))/c%units%length)
-                        else if (self%estimate%missing > lacking) then
+                        else if (self%estimate%missing > lacking .and. off <= limit) then
                            call stop_beside(place, half_width)
                         end if
                      end if
                      passes = off > limit
                   end if
+                  ! With given harmonics the step stays: whether this resonance is looked at follows from the latest estimate.
+                  passes = passes .and. (carried .or. self%settings%harmonics == 0)
                   if (passes) return
                   if (.not. (success .and. reads .and. carried)) cycle
                   if (stands_out()) call stop_beside(place, half_width)
