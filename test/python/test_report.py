@@ -347,3 +347,16 @@ def test_tables_are_dataframes():
         assert len(frame) == len(rows) > 0
         text = str(rows).splitlines()[1].split()
         assert f"{frame.select_dtypes('number').iloc[0, 0]:.6g}" in text
+
+
+def test_a_torque_up_to_where_stability_is_lost():
+    """Between the last stable point and the period doubling the torque grows: the table marks it."""
+    train = gt.read_case(ROOT / "namelists" / "fig03.nml").train
+    branch = train.response(start=2.03, stop=2.3, harmonics=8)
+    [change] = [special for special in branch.special_points if special.kind == "period doubling"]
+    [edge] = branch.at(change.frequency * (1 + 1e-6))
+    assert edge.shaft_torque_maximum[1] > branch.shaft_torque_maximum[branch.stable, 1].max()
+    shafts = section(branch.report(), "SHAFTS")
+    assert shafts[2].count("*") == 2 and "*" not in shafts[1] + shafts[3]
+    assert "up to there the torque may be larger" in flat("\n".join(shafts))
+    assert "*" not in "".join(section(train.response(start=1.7, stop=1.8, harmonics=8).report(), "SHAFTS"))

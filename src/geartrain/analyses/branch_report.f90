@@ -116,6 +116,24 @@ contains
          counted(size(branches) - most_branches, 'further branch', 'further branches')//'.')
    end subroutine report_further
 
+   !> Whether stability is lost between a motion that counts and its neighbour, without a fold, which would be a point: (point).
+   pure function is_at_edge(branch, counts) result(edge)
+      type(branch_type), intent(in) :: branch
+      !> Whether a motion counts, (point).
+      logical, intent(in) :: counts(:)
+      logical :: edge(size(counts))
+      integer :: s
+
+      edge = .false.
+      do s = 1, size(branch%special_points)
+         associate (special => branch%special_points(s))
+            if (special%kind == 'fold' .or. special%point < 1 .or. special%point >= size(counts)) cycle
+            if (counts(special%point) .eqv. counts(special%point + 1)) cycle
+            edge(merge(special%point, special%point + 1, counts(special%point))) = .true.
+         end associate
+      end do
+   end function is_at_edge
+
    !> Ends of the range asked for, as the branch has them.
    pure function ends_of(settings, train) result(ends)
       type(response_settings_type), intent(in) :: settings
@@ -178,7 +196,7 @@ contains
             call say_reversals(train, branch%shaft_torque_minimum(:, :n), branch%shaft_torque_maximum(:, :n), at, counts, &
                                connected, told, sheet)
             call torques%take(branch%shaft_torque_mean(:, :n), branch%shaft_torque_minimum(:, :n), &
-                              branch%shaft_torque_maximum(:, :n), at, counts, told)
+                              branch%shaft_torque_maximum(:, :n), at, counts, told, is_at_edge(branch, counts))
          end if
       end associate
       bands = bands_without_stability(branch)

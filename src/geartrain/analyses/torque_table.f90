@@ -16,6 +16,8 @@ module geartrain_analyses_torque_table
    integer, parameter :: most = 8
    !> Share of the largest torque below which a torque of the other sign is rounding [1].
    real(dp), parameter :: rounding = 1e-6_dp
+   !> Range of a torque over its largest magnitude above which an extreme beside the loss of stability is marked [1].
+   real(dp), parameter :: worth_a_mark = 0.01_dp
 
    type :: torque_table_type
       private
@@ -24,8 +26,8 @@ module geartrain_analyses_torque_table
       real(dp), allocatable :: low(:), mean(:), high(:)
       !> Speeds of the extremes, (shaft).
       character(40), allocatable :: at_low(:), at_high(:)
-      !> Whether a shaft has a torque, (shaft).
-      logical, allocatable :: known(:)
+      !> Whether a shaft has a torque; whether the motions of its extremes are the last ones before stability is lost, (shaft).
+      logical, allocatable :: known(:), low_at_edge(:), high_at_edge(:)
    contains
       procedure :: take
       procedure :: put
@@ -34,7 +36,7 @@ module geartrain_analyses_torque_table
 contains
 
    !> Takes motions into account.
-   subroutine take(self, mean, low, high, at, counts, told)
+   subroutine take(self, mean, low, high, at, counts, told, edge)
       class(torque_table_type), intent(inout) :: self
       !> Mean, smallest and largest torque [N m], NaN where nothing determines them, (shaft, motion).
       real(dp), intent(in) :: mean(:, :), low(:, :), high(:, :)
@@ -44,15 +46,19 @@ contains
       logical, intent(in) :: counts(:)
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
+      !> Whether further motions, up to where stability is lost, would count too, (motion); absent: nowhere.
+      logical, intent(in), optional :: edge(:)
       character(:), allocatable :: place
-      logical :: there(size(at))
+      logical :: there(size(at)), last(size(at))
       integer :: i, j
 
       if (.not. allocated(self%low)) then
          allocate (self%low(size(mean, 1)), self%mean(size(mean, 1)), self%high(size(mean, 1)), source=0.0_dp)
          allocate (self%at_low(size(mean, 1)), self%at_high(size(mean, 1)))
-         allocate (self%known(size(mean, 1)), source=.false.)
+         allocate (self%known(size(mean, 1)), self%low_at_edge(size(mean, 1)), self%high_at_edge(size(mean, 1)), source=.false.)
       end if
+      last = .false.
+      if (present(edge)) last = edge
       do i = 1, size(mean, 1)
          ! A shaft without a torque has NaN.
          there = counts .and. low(i, :) <= high(i, :)
@@ -66,12 +72,14 @@ contains
             self%low(i) = low(i, j)
             call told%with_unit(told%number(at(j)), place)
             self%at_low(i) = place
+            self%low_at_edge(i) = last(j)
          end if
          j = maxloc(high(i, :), 1, there)
          if (.not. self%known(i) .or. high(i, j) > self%high(i)) then
             self%high(i) = high(i, j)
             call told%with_unit(told%number(at(j)), place)
             self%at_high(i) = place
+            self%high_at_edge(i) = last(j)
          end if
          self%known(i) = .true.
       end do
@@ -84,7 +92,7 @@ contains
       type(train_type), intent(in) :: train
       type(sheet_type), intent(inout) :: sheet
       character(name_length), allocatable :: names(:)
-      logical :: shown(size(self%known))
+      logical, dimension(size(self%known)) :: shown, low_marked, high_marked
       integer :: i, width
 
       if (.not. allocated(self%low)) return
@@ -95,14 +103,20 @@ contains
          shown(i) = .false.
       end do
       if (.not. any(shown)) return
+      low_marked = shown .and. self%high - self%low > worth_a_mark*max(abs(self%low), abs(self%high))
+      high_marked = low_marked .and. self%high_at_edge
+      low_marked = low_marked .and. self%low_at_edge
       names = torque_names(train)
       width = maxval(len_trim(names), 1, shown)
       call sheet%add(in_shafts, repeat(' ', width)//'   mean [N m]   minimum  at                 maximum  at')
       do i = 1, size(names)
          if (.not. shown(i)) cycle
          call sheet%add(in_shafts, names(i)(:width)//in_width(significant(self%mean(i)), 13)//in_width(significant(self%low(i)), &
-                        10)//'  '//self%at_low(i)(:14)//in_width(significant(self%high(i)), 12)//'  '//self%at_high(i))
+                        10)//merge('* ', '  ', low_marked(i))//self%at_low(i)(:14)// &
+                        in_width(significant(self%high(i)), 12)//merge('* ', '  ', high_marked(i))//self%at_high(i))
       end do
+      if (any(low_marked .or. high_marked)) call sheet%say(in_shafts, '* The last motion computed before stability is lost: up to &
+                                                                     &there the torque may be larger.')
       if (count(shown) < count(self%known)) call sheet%say(in_shafts, 'and '//counted(count(self%known) - count(shown), &
          'shaft whose torque varies', 'shafts whose torque varies')//' less')
    end subroutine put
