@@ -287,6 +287,8 @@ def test_a_harmonic_that_hardly_moves_the_mesh(order, gap):
     largest = np.abs(given.shaft_torque_mean).max()
     assert (exact[0] - read(given)[0][0]) / max(exact[0], 0.1 * largest) < 2 * given.reading_error_estimate[worst]
     assert given.reading_error_estimate[worst] > 0.4
+    sampled = train.response(start=0.7, stop=1.2, coefficients="sampled")
+    assert sampled.reading_error_estimate.max() == pytest.approx(given.reading_error_estimate[worst], rel=0.01)
     assert max(motion.reading_error_estimate for motion in given.at(given.frequency[worst])) \
         == pytest.approx(given.reading_error_estimate[worst], rel=1e-6)
     words = " ".join(given.report().split())

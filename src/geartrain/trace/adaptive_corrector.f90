@@ -113,6 +113,7 @@ contains
             call self%exact%evaluate(s%u, s%frequency_ratio)
             call find_error_estimate(self%exact, s%u, self%exact%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
                                      c%units%frequency_ratio, c%matrix, self%estimate, self%exact%residual)
+            if (self%shows) call weigh_readings(self%exact, s%u, self%settings%shaft_torque, self%estimate)
          else
             call find_error_estimate(c%balance, s%u, c%balance%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
                                      c%units%frequency_ratio, c%matrix, self%estimate)
