@@ -118,10 +118,10 @@ def test_the_number_of_harmonics_changes_where_the_branch_is_nearly_vertical(see
 
 @pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
 def test_random_trains_of_little_damping(times):
-    """Trains that leave their gaps at narrow resonances, with a coarse tolerance: one branch of 150 comes back to its beginning."""
+    """Trains that leave their gaps at narrow resonances, with a coarse tolerance: of 150 branches none ended early when written."""
     seeds = range(times(150))
     early = [seed for seed in seeds if not trace(seed, 0.15, 1e-2, stability=False).complete]
-    assert len(early) <= 2, early
+    assert len(early) <= 1, early
 
 
 def test_where_stability_is_lost_without_a_fold_the_other_stable_motions_are_counted():
