@@ -24,7 +24,7 @@ def hunting_train(variation, damping, half_backlash=50e-6, orders=(SLOW, FAST), 
 def by_both(train, start, stop, points):
     """The response without and with multipliers, which are those of the whole period."""
     own, whole = (train.response(start=start / SLOW, stop=stop / SLOW, harmonics=0, tolerance=1e-2, max_points=points,
-                                 multipliers=asked) for asked in (False, True))
+                                 shaft_torque=False, multipliers=asked) for asked in (False, True))
     assert own.multipliers is None
     np.testing.assert_allclose(own.frequency, whole.frequency, rtol=1e-12)
     known = of_multipliers(train, whole)
@@ -91,9 +91,7 @@ def test_loss_of_stability():
     own, whole = by_both(train, 1.2, 1.75, 400)
     assert not own.stable.all() and own.stable.any()
     np.testing.assert_array_equal(own.stable, whole.stable)
-    # At Lambda 0.003113060 two modes exchange within 1e-5 of Lambda, which a window of some hundred cycles does not resolve.
-    assert (abs(own.growth_rate - whole.growth_rate) > 0.1).sum() <= 1
-    np.testing.assert_allclose(own.growth_rate, whole.growth_rate, rtol=0.01, atol=0.1)
+    np.testing.assert_allclose(own.growth_rate, whole.growth_rate, atol=0.1)
     [change] = [point for point in own.special_points if point.kind == "stability change"]
     around = [train.response(start=change.frequency * (1 - width), stop=change.frequency * (1 + width), harmonics=0, tolerance=1e-2,
                              multipliers=True) for width in (1e-4, 2e-5)]

@@ -117,7 +117,7 @@ def hold_against(parts, start, stop, exact=None, **settings):
 
 
 def disc(share, natural, ratio, body="wheel"):
-    """A shaft with a disc: the inertia of the disc over that of a gear, and its frequency over the frequency of the pair."""
+    """Returns a shaft with a disc, by inertia over the inertia of a gear and natural frequency over `NATURAL`."""
     stiffness = share * INERTIA * (natural * NATURAL * SPEED) ** 2
     return body, "disc", stiffness, 2 * ratio * np.sqrt(stiffness / (1 / INERTIA + 1 / (share * INERTIA)))
 
