@@ -72,8 +72,8 @@ module geartrain_trace_branch
       integer :: steps = 0
       !> Harmonics in use.
       integer :: harmonics = 0
-      !> Length of the next step [1]; the tracer's measure of curvature.
-      real(dp) :: step = 0, curvature = 0
+      !> Length of the next step, and of the longest [1]; the tracer's measure of curvature.
+      real(dp) :: step = 0, longest = 0, curvature = 0
       !> Points so far that miss the tolerance.
       integer :: missed = 0
       !> Latest steps whose end was not found with the harmonics that the tolerance needs.

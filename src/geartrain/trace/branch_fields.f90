@@ -139,13 +139,14 @@ contains
          call carry(fields, row('harmonics', least=merge(1, 0, trace%steps > 0), most=highest), &
                     trace%harmonics)
          call carry(fields, row('step'), trace%step)
+         call carry(fields, row('longest_step'), trace%longest)
          call carry(fields, row('curvature'), trace%curvature)
          call carry(fields, row('missed', least=0), trace%missed)
          call carry(fields, row('sense'), trace%sense)
          call carry(fields, row('refusals', least=0), trace%refusals)
          call carry_words(fields, row('before', optional=.true.), trace%before)
          if (trace%steps == 0) return
-         call fields%check(trace%step > 0, 'step')
+         call fields%check(min(trace%step, trace%longest) > 0, 'step')
          call visit_solution(trace%here, home//'/here', trace%harmonics, branch, fields)
          call visit_solution(trace%earlier, home//'/earlier', branch%harmonics, branch, fields)
          call visit_solution(trace%origin, home//'/origin', trace%harmonics, branch, fields)

@@ -114,6 +114,7 @@ contains
          highest = tracer%corrector%balance%highest
          step = tracer%settings%step
          resumed = tracer%resumes
+         if (resumed) tracer%settings%step = branch%trace%longest
          do k = 1, most_traces
             call tracer%trace(solution, low, high, target, branch, outcome, reason, observer, began, first)
             if (outcome /= went_round .or. resumed .or. k == most_traces) exit

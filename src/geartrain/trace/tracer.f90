@@ -242,6 +242,7 @@ contains
             call self%note_state(branch%trace)
             branch%trace%steps = steps
             branch%trace%step = h
+            branch%trace%longest = self%settings%step
             branch%trace%sense = sense
             branch%trace%here = here
             branch%trace%earlier = self%before
