@@ -349,14 +349,20 @@ def test_tables_are_dataframes():
         assert f"{frame.select_dtypes('number').iloc[0, 0]:.6g}" in text
 
 
-def test_a_torque_up_to_where_stability_is_lost():
-    """Between the last stable point and the period doubling the torque grows: the table marks it."""
+def test_forces_and_torques_where_stability_is_lost():
+    """Between the last stable point and the period doubling they grow: the report has them there, as the motion there has them."""
     train = gt.read_case(ROOT / "namelists" / "fig03.nml").train
     branch = train.response(start=2.03, stop=2.3, harmonics=8)
     [change] = [special for special in branch.special_points if special.kind == "period doubling"]
-    [edge] = branch.at(change.frequency * (1 + 1e-6))
-    assert edge.shaft_torque_maximum[1] > branch.shaft_torque_maximum[branch.stable, 1].max()
+    [edge] = branch.at(change.frequency)
+    stable = branch.shaft_torque_maximum[branch.stable, 1], branch.mesh_force_maximum[branch.stable, 0]
+    assert edge.shaft_torque_maximum[1] > stable[0].max() and edge.mesh_force_maximum[0] > 1.003 * stable[1].max()
     shafts = section(branch.report(), "SHAFTS")
     assert shafts[2].count("*") == 2 and "*" not in shafts[1] + shafts[3]
-    assert "up to there the torque may be larger" in flat("\n".join(shafts))
-    assert "*" not in "".join(section(train.response(start=1.7, stop=1.8, harmonics=8).report(), "SHAFTS"))
+    assert "Where stability is lost, between two of the motions computed" in flat("\n".join(shafts))
+    low, high = re.findall(r"([\d.]+)\* Lambda 2\.0439", shafts[2])
+    np.testing.assert_allclose([float(low), float(high)], [edge.shaft_torque_minimum[1], edge.shaft_torque_maximum[1]], rtol=5e-4)
+    [force] = re.findall(r"\(up to (\d+) N where stability is lost, at Lambda 2\.0439\)", flat(branch.report()))
+    np.testing.assert_allclose(float(force), edge.mesh_force_maximum[0], rtol=5e-4)
+    beyond = train.response(start=1.7, stop=1.8, harmonics=8).report()
+    assert "*" not in "".join(section(beyond, "SHAFTS")) and "where stability is lost" not in flat(beyond)

@@ -11,10 +11,11 @@ module geartrain_analyses_branch_report
    use geartrain_base_sheet, only: in_head, in_result, sheet_type
    use geartrain_network_frequency_unit, only: lambda_per
    use geartrain_readings_contact_ranges, only: back_collision_ranges, drive_collision_ranges, separation_ranges
-   use geartrain_readings_force_remarks, only: find_errors, find_sweeps
+   use geartrain_readings_force_remarks, only: add_edges, find_errors, find_sweeps
    use geartrain_readings_frequency_text, only: frequency_text, frequency_text_type, text_for
    use geartrain_readings_jump_sentences, only: say_jumps
    use geartrain_readings_range_sentences, only: range_words, ranges_of_points
+   use geartrain_readings_stability_edges, only: edges_of, with_edges
    use geartrain_readings_summary, only: band_type, bands_without_stability
    use geartrain_analyses_planet_loads, only: say_sharing
    use geartrain_trace_branch, only: branch_type, gap_along, response_settings_type
@@ -116,24 +117,6 @@ contains
          counted(size(branches) - most_branches, 'further branch', 'further branches')//'.')
    end subroutine report_further
 
-   !> Whether stability is lost between a motion that counts and its neighbour, without a fold, which would be a point: (point).
-   pure function is_at_edge(branch, counts) result(edge)
-      type(branch_type), intent(in) :: branch
-      !> Whether a motion counts, (point).
-      logical, intent(in) :: counts(:)
-      logical :: edge(size(counts))
-      integer :: s
-
-      edge = .false.
-      do s = 1, size(branch%special_points)
-         associate (special => branch%special_points(s))
-            if (special%kind == 'fold' .or. special%point < 1 .or. special%point >= size(counts)) cycle
-            if (counts(special%point) .eqv. counts(special%point + 1)) cycle
-            edge(merge(special%point, special%point + 1, counts(special%point))) = .true.
-         end associate
-      end do
-   end function is_at_edge
-
    !> Ends of the range asked for, as the branch has them.
    pure function ends_of(settings, train) result(ends)
       type(response_settings_type), intent(in) :: settings
@@ -160,6 +143,7 @@ contains
       character(:), allocatable :: words
       logical :: counts(branch%points), at_end(branch%points), connected(branch%points), known
       integer :: sides(branch%meshes), largest(branch%meshes), mesh, i
+      integer, allocatable :: edges(:)
 
       known = allocated(branch%stable)
       counts = .true.
@@ -183,7 +167,9 @@ contains
             call sheet%say(in_result, 'Response'//trim(merge(', stable motions:', ':                ', known)))
          end if
          largest = [(maxloc(branch%mesh_load(mesh, :n)%force_maximum, 1, counts), mesh=1, branch%meshes)]
+         edges = edges_of(branch, counts)
          if (known) call find_sweeps(branch, largest, sweep)
+         call add_edges(branch, train, edges, largest, told, sweep)
          do mesh = 1, branch%meshes
             call find_contact(branch, mesh, train%meshes(mesh), sides(mesh), told, sheet%verbose, contact(mesh)%text)
          end do
@@ -195,8 +181,11 @@ contains
          if (allocated(branch%shaft_torque_mean)) then
             call say_reversals(train, branch%shaft_torque_minimum(:, :n), branch%shaft_torque_maximum(:, :n), at, counts, &
                                connected, told, sheet)
-            call torques%take(branch%shaft_torque_mean(:, :n), branch%shaft_torque_minimum(:, :n), &
-                              branch%shaft_torque_maximum(:, :n), at, counts, told, is_at_edge(branch, counts))
+            call torques%take(with_edges(branch, edges, branch%shaft_torque_mean(:, :n)), &
+                              with_edges(branch, edges, branch%shaft_torque_minimum(:, :n)), &
+                              with_edges(branch, edges, branch%shaft_torque_maximum(:, :n)), &
+                              [at, branch%special_points(edges)%frequency_ratio], [counts, (.true., i=1, size(edges))], told, &
+                              [(.false., i=1, n), (.true., i=1, size(edges))])
          end if
       end associate
       bands = bands_without_stability(branch)

@@ -16,7 +16,7 @@ module geartrain_analyses_torque_table
    integer, parameter :: most = 8
    !> Share of the largest torque below which a torque of the other sign is rounding [1].
    real(dp), parameter :: rounding = 1e-6_dp
-   !> Range of a torque over its largest magnitude above which an extreme beside the loss of stability is marked [1].
+   !> Range of a torque over its largest magnitude above which an extreme where stability is lost is marked [1].
    real(dp), parameter :: worth_a_mark = 0.01_dp
 
    type :: torque_table_type
@@ -26,7 +26,7 @@ module geartrain_analyses_torque_table
       real(dp), allocatable :: low(:), mean(:), high(:)
       !> Speeds of the extremes, (shaft).
       character(40), allocatable :: at_low(:), at_high(:)
-      !> Whether a shaft has a torque; whether the motions of its extremes are the last ones before stability is lost, (shaft).
+      !> Whether a shaft has a torque; whether its extremes are where stability is lost, between two motions, (shaft).
       logical, allocatable :: known(:), low_at_edge(:), high_at_edge(:)
    contains
       procedure :: take
@@ -46,7 +46,7 @@ contains
       logical, intent(in) :: counts(:)
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> Whether further motions, up to where stability is lost, would count too, (motion); absent: nowhere.
+      !> Whether the values are between two motions, where stability is lost, (motion); absent: nowhere.
       logical, intent(in), optional :: edge(:)
       character(:), allocatable :: place
       logical :: there(size(at)), last(size(at))
@@ -115,8 +115,8 @@ contains
                         10)//merge('* ', '  ', low_marked(i))//self%at_low(i)(:14)// &
                         in_width(significant(self%high(i)), 12)//merge('* ', '  ', high_marked(i))//self%at_high(i))
       end do
-      if (any(low_marked .or. high_marked)) call sheet%say(in_shafts, '* The last motion computed before stability is lost: up to &
-                                                                     &there the torque may be larger.')
+      if (any(low_marked .or. high_marked)) call sheet%say(in_shafts, '* Where stability is lost, between two of the motions &
+                                                                     &computed.')
       if (count(shown) < count(self%known)) call sheet%say(in_shafts, 'and '//counted(count(self%known) - count(shown), &
          'shaft whose torque varies', 'shafts whose torque varies')//' less')
    end subroutine put

@@ -1,17 +1,20 @@
-!> Remarks of a report on the largest force of a mesh: its estimated error, and the slow sweep that does not reach it.
+!> Remarks of a report on the largest force of a mesh: its estimated error, the slow sweep that does not reach it, and a larger
+!> force where stability is lost.
 module geartrain_readings_force_remarks
    use geartrain_base_field, only: text_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: significant
    use geartrain_drawing_drawing, only: plain_train
+   use geartrain_readings_frequency_text, only: frequency_text_type
    use geartrain_readings_slow_sweeps, only: is_out_of_reach
+   use geartrain_readings_stability_edges, only: with_edges
    use geartrain_trace_branch, only: branch_type
    use geartrain_mesh_law_law, only: law_type
    use geartrain_train_mesh, only: coupling_radius, put_law
    use geartrain_train_train, only: train_type
    implicit none (type, external)
    private
-   public :: find_errors, find_sweeps
+   public :: add_edges, find_errors, find_sweeps
 
    !> Error up to which a force is as exact as the digits printed [1].
    real(dp), parameter :: negligible = 1e-3_dp
@@ -93,5 +96,37 @@ contains
          end associate
       end do
    end subroutine find_sweeps
+
+   !> Adds the force of each mesh where stability is lost, if it is larger than at the points.
+   subroutine add_edges(branch, train, edges, largest, told, words)
+      type(branch_type), intent(in) :: branch
+      !> The train as given.
+      type(train_type), intent(in) :: train
+      !> Special points where stability is lost, see `edges_of`.
+      integer, intent(in) :: edges(:)
+      !> Index of the stable point with the largest force of each mesh, (mesh).
+      integer, intent(in) :: largest(:)
+      !> How frequencies are stated.
+      type(frequency_text_type), intent(in) :: told
+      !> The words, (mesh).
+      type(text_type), intent(inout) :: words(:)
+      real(dp) :: force(size(largest), branch%points + size(edges))
+      character(:), allocatable :: place
+      integer :: mesh, i
+
+      if (size(edges) == 0) return
+      force = with_edges(branch, edges, branch%mesh_load(:, :branch%points)%force_maximum)
+      do mesh = 1, size(largest)
+         i = maxloc(force(mesh, branch%points + 1:), 1)
+         associate (edge => force(mesh, branch%points + i), special => branch%special_points(edges(i)))
+            if (.not. edge > (1 + negligible)*force(mesh, largest(mesh))) cycle
+            call told%with_unit(told%number(special%frequency_ratio), place)
+            if (words(mesh)%text /= '') words(mesh)%text = words(mesh)%text//'; '
+            words(mesh)%text = words(mesh)%text//'up to '//significant(edge)// &
+                               merge(' N m', ' N  ', train%meshes(mesh)%is_coupling)
+            words(mesh)%text = trim(words(mesh)%text)//' where stability is lost, at '//place
+         end associate
+      end do
+   end subroutine add_edges
 
 end module geartrain_readings_force_remarks
