@@ -104,3 +104,25 @@ def test_a_planet_that_rattles():
         assert "that on which time integration settles has more harmonics than a response takes" in str(error)
     else:
         assert len(branch) > 0
+
+
+@pytest.mark.full
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+def test_an_unloaded_planet_of_a_differential():
+    """It rattles in six meshes with backlash: the branch takes 143 to 266 harmonics, where it began with 6 and kept them."""
+    bodies = [gt.Body(name="engine", inertia=0.15, torque=200.0), gt.Body(name="ring", inertia=0.004), gt.Body(name="sun"),
+              gt.Body(name="carrier", inertia=0.003), gt.Body(name="front", inertia=2.0, balances=True),
+              gt.Body(name="rear", inertia=3.0, balances=True, speed_ratio=1.25)]
+    stage = gt.Planetary(name="differential", sun="sun", ring="ring", carrier="carrier", teeth=(28, 17, 62), planets=3,
+                         driving="ring", normal_module=2e-3, face_width=0.025, profile_shift=(0.0, 0.0, 0.0), backlash=80e-6,
+                         damping_ratio=0.05, stiffness_harmonics=3, ring_phase=0.4, planet_errors=[0.0, 3e-6, -2e-6])
+    shafts = [gt.Shaft(between=("engine", "ring"), stiffness=15000.0, damping_ratio=0.05),
+              gt.Shaft(between=("sun", "front"), stiffness=8000.0, damping_ratio=0.03),
+              gt.Shaft(between=("carrier", "rear"), stiffness=9000.0, damping_ratio=0.03)]
+    train = gt.Train(bodies=bodies, planetaries=[stage], shafts=shafts)
+    branch = train.response(start=520.0, stop=524.0, unit="rpm", harmonics=0, tolerance=1e-3, stability=False)
+    assert branch.ended == "reached 524 rpm" and (branch.error_estimate < 1e-3).all()
+    [motion] = branch.at(522.0, unit="rpm")
+    settled = train.integrate(522.0, unit="rpm")
+    assert settled.kind == "periodic" and settled.separation_fraction.max() > 0.5
+    np.testing.assert_allclose(motion.rms, settled.rms, rtol=1e-3)

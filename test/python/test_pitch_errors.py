@@ -252,7 +252,7 @@ def test_causes_of_peaks_that_have_two(executable, tmp_path):
     case = train.namelist() + "&response from = 1060.0, to = 980.0, unit = 'rpm', harmonics = 0, tolerance = 1e-3 /\n"
     (tmp_path / "case.nml").write_text(case)
     said = run(executable, "case.nml", "--verbose", cwd=tmp_path).stdout
-    assert "3 x mesh 2 (by its nonlinearity); 51 x revolution of b" in said
+    assert "3 x mesh 2 (indirectly); 51 x revolution of b" in said
 
 
 def test_explained_series_are_whole():

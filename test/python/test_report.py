@@ -151,7 +151,7 @@ def test_resonances_are_peaks_with_their_forces(told):
         assert float(at) in peaks and float(first) in amplitudes[0] and float(second) in amplitudes[1]
     found = {at: (order, mode, source) for at, order, mode, _, _, source in rows}
     assert found["0.7307"] == ("1", "1 (-24 %)", "meshes 1, 2")
-    assert found["0.9073"] == ("2", "2 (-3 %)", "2 x meshes 1, 2 (by its nonlinearity)")
+    assert found["0.9073"] == ("2", "2 (-3 %)", "2 x meshes 1, 2 (indirectly)")
     assert found["1.5505"] == ("1", "2 (-17 %)", "meshes 1, 2")
 
 
@@ -213,6 +213,9 @@ def test_a_force_that_a_sweep_does_not_reach_says_so():
     assert re.search(r"Mesh 2: largest force 388\d+ N [^;]* at Lambda 0\.7320 \(not reached by a falling sweep\);", words)
     falling = train.sweep(start=0.5, stop=0.9, points=41, direction="down")
     assert max(motion.mesh_force_maximum[1] for motion in falling) < 31000
+    # With one harmonic the fold has an error of 0.34, and may not exist.
+    coarse = flat(str(train.response(start=0.5, stop=0.8, harmonics=1)))
+    assert "at Lambda 0.7073" in coarse and "not reached" not in coarse
     # A linear train has one motion at each speed.
     assert "not reached" not in str(paper_train(half_backlash=0.0).response(start=0.5, stop=1.8))
 

@@ -87,7 +87,7 @@ def _draw_front(train: Description, told: Mapping[str, Any], ax: Axes) -> None:
     share = told.get("load_share")
     for number, place in enumerate(places):
         _draw_gear(ax, place, planet, planet_teeth, COLORS[0])
-        words = f"{number + 1}" if share is None else f"{number + 1}\n{100 * share[number]:.3g} %"
+        words = f"{number + 1}" if share is None else f"{number + 1}\n{100 * share[number] + 0.0:.3g} %"
         ax.annotate(words, tuple(place), ha="center", va="center", fontsize=8)
     if sun:
         _draw_gear(ax, np.zeros(2), radius["sun"], teeth["sun"], COLORS[1])

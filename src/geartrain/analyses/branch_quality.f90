@@ -176,7 +176,8 @@ contains
       end if
       call told%of_words(branch%ended, words)
       if (.not. branch%complete) then
-         call sheet%say(in_quality, name//' ended early: '//words//'.')
+         call sheet%say(in_quality, name//trim(merge(' is incomplete:', ' ended early:  ', index(words, 'reached ') == 1))//' ' &
+                        //words//'.')
          return
       end if
       ! Of what is noted after the reason for the end, motions that miss the tolerance have been counted.

@@ -209,7 +209,9 @@ contains
          if (branch%points > 0) then
             if (is_last_point(tracer, solution, branch)) then
                outcome = known_start
-               return
+               ! A motion that has too few harmonics may have enough here.
+               if (tracer%settings%harmonics > 0 .or. &
+                   branch%error_estimate(branch%points) <= tracer%settings%tolerance) return
             end if
             tracer%segment = branch%segment(branch%points) + 1
          end if
@@ -218,6 +220,9 @@ contains
          if (stopped .and. .not. tracer%system%interrupt%raised()) then
             call tell_cancelled()
             return
+         end if
+         if (outcome == known_start) then
+            if (tracer%estimate%limited > tracer%settings%tolerance .or. is_last_point(tracer, solution, branch)) return
          end if
          call tracer%record(solution, branch)
       end if

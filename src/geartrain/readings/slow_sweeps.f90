@@ -12,6 +12,8 @@ module geartrain_readings_slow_sweeps
    integer, parameter :: near_fold = 3
    !> Relative distance of a fold from its point, by the balance and by stability [1].
    real(dp), parameter :: same = 1e-4_dp
+   !> Relative error of the motion at a fold from which on the fold may not exist [1].
+   real(dp), parameter :: useless = 0.1_dp
 
 contains
 
@@ -57,7 +59,7 @@ contains
    pure subroutine follow_back(branch, point, direction, last, fold)
       type(branch_type), intent(in) :: branch
       integer, intent(in) :: point, direction
-      !> Index of the last stable point; 0: the curve does not end in a fold.
+      !> Index of the last stable point; 0: the curve does not end in a fold, or in one that may not exist.
       integer, intent(out) :: last
       !> Lambda of the fold [1].
       real(dp), intent(out) :: fold
@@ -76,7 +78,10 @@ contains
       ! Stability may end slightly before the fold.
       do k = 0, near_fold
          fold = branch%frequency_ratio(last + k*step)
-         if (is_turn(last + k*step)) return
+         if (is_turn(last + k*step)) then
+            if (branch%error_estimate(last + k*step) > useless) last = 0
+            return
+         end if
          if (.not. is_neighbour(last + k*step, step)) exit
       end do
       last = 0

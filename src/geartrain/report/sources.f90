@@ -85,7 +85,8 @@ contains
    end subroutine find_sources
 
    !> What excites at an order: 'mesh 1', '2 x meshes 1, 2', '2 x revolution of engine'. Where nothing, or only some error of a
-   !> gear, has this order itself, the meshes whose tooth frequency is a divisor of it, as '2 x mesh 1 (by its nonlinearity)'.
+   !> gear, has this order itself, the meshes whose tooth frequency is a divisor of it, as '2 x mesh 1 (indirectly)': by varying
+   !> stiffness or loss of contact.
    subroutine name(self, order, words)
       class(sources_type), intent(in) :: self
       !> Order of the fundamental, of a motion of a longer period a fraction [1].
@@ -116,7 +117,7 @@ contains
          end do
          if (pass == 1) call add_torques(self, whole, words)
          if (pass == 1) call add_gears(self, whole, gears)
-         if (pass == 2 .and. words /= '') words = words//' (by its nonlinearity)'
+         if (pass == 2 .and. words /= '') words = words//' (indirectly)'
       end do
       call join(words, gears)
       if (words == '') call find_combination(self, whole, words)

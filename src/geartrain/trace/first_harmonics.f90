@@ -15,7 +15,7 @@ module geartrain_trace_first_harmonics
    public :: adapt_first
 
    !> Most unknowns of a balance that a branch begins with in this way: a point of more takes seconds.
-   integer, parameter :: most_unknowns = 1600
+   integer, parameter :: most_unknowns = 3200
 
 contains
 
