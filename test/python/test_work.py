@@ -136,6 +136,26 @@ def test_quick_work_does_not_wait(train, monkeypatch):
     assert time.monotonic() - begin < 30
 
 
+@pytest.mark.parametrize("forecast", ["", "work: about 3 min expected"])
+def test_lines_where_there_is_no_terminal(forecast, monkeypatch, capsys):
+    """In the log of a batch: nothing of short work, then what is expected, and how far it is."""
+
+    def work(progress):
+        progress[4 : 4 + len(forecast)] = list(map(ord, forecast))
+        progress[1:4] = 7, 0.5, len(forecast)
+        time.sleep(0.5)
+
+    monkeypatch.setattr(_watch, "_PATIENCE", 0.0)
+    _watch.watched(work, "work")
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(_watch, "_SILENCE", 0.1)
+    monkeypatch.setattr(_watch, "_BETWEEN", 0.2)
+    _watch.watched(work, "work")
+    first, second, *_ = capsys.readouterr().err.splitlines()
+    assert first == (forecast or "work: 7 points, Lambda = 0.5, after 0 s")
+    assert second == "work: 7 points, Lambda = 0.5, after 0 s"
+
+
 def test_every_box_is_closed(train, monkeypatch):
     gc.collect()  # boxes of tests before
     open_boxes = set()

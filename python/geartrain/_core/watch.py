@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import math
+import multiprocessing
 import sys
 import threading
 import time
@@ -24,6 +25,8 @@ __all__ = ["progress_bar", "quiet", "stops", "time_limit", "watched"]
 Result = TypeVar("Result")
 
 _PATIENCE = 1.0  # s of silence before the bar appears
+_SILENCE = 10.0  # s of silence where there is no terminal
+_BETWEEN = 60.0  # s between two lines there
 _TICK = 0.05  # s between looks at the progress
 
 #: Signals whose handler asks work in the main thread to stop without an exception, which Python drops in a finalizer.
@@ -158,8 +161,38 @@ def _tell(bar: Any, progress: NDArray[np.float64], told: str) -> str:
     return forecast
 
 
+class _Lines:
+    """In place of a bar where standard error is no terminal, as in the log of a batch: what is expected, then a line a minute."""
+
+    disable = False
+
+    def __init__(self, name: str, begin: float, unit: str) -> None:
+        self.n = 0
+        self._name, self._begin, self._unit = name, begin, unit
+        self._forecast, self._next = "", begin + _SILENCE
+
+    def write(self, forecast: str, file: object) -> None:
+        self._forecast = forecast
+
+    def update(self, more: int) -> None:
+        self.n += more
+        self.set_postfix_str("")
+
+    def set_postfix_str(self, words: str) -> None:
+        now = time.monotonic()
+        if now < self._next:
+            return
+        so_far = [f"{self._name}: {self.n} {self._unit}", words, f"after {now - self._begin:.0f} s"]
+        print(self._forecast or ", ".join(filter(None, so_far)), file=sys.stderr, flush=True)
+        self._forecast, self._next = "", now + _BETWEEN
+
+    def close(self) -> None:
+        pass
+
+
 def progress_bar(name: str, total: int | None, begin: float, unit: str) -> Any:
-    """A bar on a terminal or in a notebook; None without tqdm or without a standard error to write it to."""
+    """A bar on a terminal or in a notebook, elsewhere lines; None where nobody reads it: without a standard error, in a process of
+    a pool, on a terminal without tqdm."""
     if sys.stderr is None or sys.stderr.closed:
         return None
     try:
@@ -167,7 +200,10 @@ def progress_bar(name: str, total: int | None, begin: float, unit: str) -> Any:
     except ImportError:
         if sys.stderr.isatty():
             warn(f"no progress bar without {missing('tqdm')}")
-        return None
-    bar = tqdm(desc=name, total=total, unit=f" {unit}", disable=None, leave=False)
-    bar.start_t = time.time() - (time.monotonic() - begin)
-    return bar
+            return None
+    else:
+        bar = tqdm(desc=name, total=total, unit=f" {unit}", disable=None, leave=False)
+        bar.start_t = time.time() - (time.monotonic() - begin)
+        if not bar.disable:
+            return bar
+    return None if multiprocessing.parent_process() else _Lines(name, begin, unit)
