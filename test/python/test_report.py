@@ -362,7 +362,7 @@ def test_forces_and_torques_where_stability_is_lost():
     assert edge.shaft_torque_maximum[1] > stable[0].max() and edge.mesh_force_maximum[0] > 1.003 * stable[1].max()
     shafts = section(branch.report(), "SHAFTS")
     assert shafts[2].count("*") == 2 and "*" not in shafts[1] + shafts[3]
-    assert "Where stability is lost, between two of the motions computed" in flat("\n".join(shafts))
+    assert "Where stability is lost, interpolated between two motions" in flat("\n".join(shafts))
     low, high = re.findall(r"([\d.]+)\* Lambda 2\.0439", shafts[2])
     np.testing.assert_allclose([float(low), float(high)], [edge.shaft_torque_minimum[1], edge.shaft_torque_maximum[1]], rtol=5e-4)
     [force] = re.findall(r"\(up to (\d+) N where stability is lost, at Lambda 2\.0439\)", flat(branch.report()))

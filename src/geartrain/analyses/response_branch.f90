@@ -209,7 +209,7 @@ contains
          if (branch%points > 0) then
             if (is_last_point(tracer, solution, branch)) then
                outcome = known_start
-               ! A motion that has too few harmonics may have enough here.
+               ! More harmonics, which the trace did not reach, may bring this motion within the tolerance.
                if (tracer%settings%harmonics > 0 .or. &
                    branch%error_estimate(branch%points) <= tracer%settings%tolerance) return
             end if

@@ -46,10 +46,10 @@ contains
       logical, intent(in) :: counts(:)
       !> How frequencies are stated.
       type(frequency_text_type), intent(in) :: told
-      !> Whether the values are between two motions, where stability is lost, (motion); absent: nowhere.
+      !> Whether the values are interpolated between two motions, where stability is lost, (motion); absent: none is.
       logical, intent(in), optional :: edge(:)
       character(:), allocatable :: place
-      logical :: there(size(at)), last(size(at))
+      logical :: there(size(at)), at_edge(size(at))
       integer :: i, j
 
       if (.not. allocated(self%low)) then
@@ -57,8 +57,8 @@ contains
          allocate (self%at_low(size(mean, 1)), self%at_high(size(mean, 1)))
          allocate (self%known(size(mean, 1)), self%low_at_edge(size(mean, 1)), self%high_at_edge(size(mean, 1)), source=.false.)
       end if
-      last = .false.
-      if (present(edge)) last = edge
+      at_edge = .false.
+      if (present(edge)) at_edge = edge
       do i = 1, size(mean, 1)
          ! A shaft without a torque has NaN.
          there = counts .and. low(i, :) <= high(i, :)
@@ -72,14 +72,14 @@ contains
             self%low(i) = low(i, j)
             call told%with_unit(told%number(at(j)), place)
             self%at_low(i) = place
-            self%low_at_edge(i) = last(j)
+            self%low_at_edge(i) = at_edge(j)
          end if
          j = maxloc(high(i, :), 1, there)
          if (.not. self%known(i) .or. high(i, j) > self%high(i)) then
             self%high(i) = high(i, j)
             call told%with_unit(told%number(at(j)), place)
             self%at_high(i) = place
-            self%high_at_edge(i) = last(j)
+            self%high_at_edge(i) = at_edge(j)
          end if
          self%known(i) = .true.
       end do
@@ -115,8 +115,8 @@ contains
                         10)//merge('* ', '  ', low_marked(i))//self%at_low(i)(:14)// &
                         in_width(significant(self%high(i)), 12)//merge('* ', '  ', high_marked(i))//self%at_high(i))
       end do
-      if (any(low_marked .or. high_marked)) call sheet%say(in_shafts, '* Where stability is lost, between two of the motions &
-                                                                     &computed.')
+      if (any(low_marked .or. high_marked)) call sheet%say(in_shafts, '* Where stability is lost, interpolated between two &
+                                                                     &motions.')
       if (count(shown) < count(self%known)) call sheet%say(in_shafts, 'and '//counted(count(self%known) - count(shown), &
          'shaft whose torque varies', 'shafts whose torque varies')//' less')
    end subroutine put

@@ -1,4 +1,4 @@
-!> Where stability is lost along a branch without a fold: at a fold the branch has a point, elsewhere values lie between two points.
+!> Values where a branch loses stability: at a fold the branch has a point, elsewhere values are interpolated between two points.
 module geartrain_readings_stability_edges
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_cubic, only: share_at
@@ -31,7 +31,7 @@ contains
 
    end function edges_of
 
-   !> Values at the points, then at special points, between the points on both sides, (value, place).
+   !> Values at the points, then at special points: interpolated between the points on both sides, (value, place).
    pure function with_edges(branch, edges, values) result(all_of_them)
       type(branch_type), intent(in) :: branch
       !> Numbers of the special points.
