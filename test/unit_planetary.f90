@@ -2,11 +2,16 @@
 module unit_planetary
    use fixtures, only: body
    use geartrain, only: dp, error_type, train_type
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_bordered_system, only: bordered_system_type
+   use geartrain_balance_fixed_space, only: fixed_space_type
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_planet_orbits, only: number_orbits
+   use geartrain_balance_planet_turn, only: planet_turn_type
    use geartrain_base_kinds, only: pi
    use geartrain_base_numbers, only: integer_text
    use geartrain_drawing_planetary_expansion, only: expand_planetaries
+   use geartrain_network_equal_branches, only: equal_branches_type, find_equal_branches
    use geartrain_network_load_sharing, only: mesh_load_factor
    use geartrain_network_natural_modes, only: modes_type, natural_modes
    use geartrain_network_planet_symmetry, only: find_symmetries, symmetry_type
@@ -27,6 +32,7 @@ contains
       if (tests%runs('sharing')) call sharing(tests)
       if (tests%runs('revolution')) call revolution(tests)
       if (tests%runs('symmetry')) call symmetry(tests)
+      if (tests%runs('iterations')) call iterations(tests)
       if (tests%runs('orbits')) call orbits(tests)
       if (tests%runs('modes')) call modes_told(tests)
    end subroutine planetary_tests
@@ -215,6 +221,75 @@ contains
       end subroutine check
 
    end subroutine symmetry
+
+   !> Beside the part that has the symmetry a right side has rounding, near a solution as much of it: iterations take the part.
+   subroutine iterations(tests)
+      class(tests_type), intent(inout) :: tests
+
+      call check([27, 36, 99], 3, 'in phase')
+      call check([26, 31, 88], 3, 'sequential')
+      call check([19, 21, 61], 5, 'five planets')
+
+   contains
+
+      subroutine check(teeth, planets, what)
+         integer, intent(in) :: teeth(3), planets
+         character(*), intent(in) :: what
+         integer, parameter :: harmonics = 40
+         type(train_type) :: train
+         type(system_type), target :: system
+         type(symmetry_type), allocatable :: symmetries(:)
+         type(equal_branches_type), allocatable :: sets(:)
+         type(balance_type) :: balance
+         type(bordered_system_type) :: matrix
+         type(fixed_space_type) :: fixed
+         type(planet_turn_type) :: turn
+         type(error_type), allocatable :: error
+         real(dp), allocatable :: u(:, :), right(:, :), rest(:, :), x(:, :), product(:, :)
+         real(dp) :: y
+         logical :: regular
+         integer :: k
+
+         train = stage(teeth, planets)
+         call expand_planetaries(train, error)
+         call build_system(train, system)
+         call find_symmetries(train, system, symmetries)
+         call find_equal_branches(system, sets)
+         call balance%setup(system, harmonics, 1, 0)
+         call matrix%setup(balance)
+         allocate (u(balance%block, balance%unknowns), source=0.0_dp)
+         allocate (right, rest, x, product, mold=u)
+         if (size(sets) > 0) call fixed%find(system, sets, u, u)
+         if (fixed%is_whole()) call turn%find(system, symmetries, balance%mesh, balance%harmonic, u, u)
+         call tests%is_true(fixed%joins() .or. allocated(turn%orbit), what//': planets move alike')
+         call random_number(u)
+         u = u*spread([1.0_dp, (0.3_dp/(1 + k/2)**2, k=2, balance%block)], 2, balance%unknowns)
+         u(1, :) = system%half_backlash(balance%mesh) + 0.5_dp
+         call fixed%project(u)
+         call turn%project(u)
+         call balance%evaluate(u, 0.9_dp)
+         right = balance%residual
+         call matrix%linearize(balance)
+         matrix%row = 0
+         matrix%corner = 1
+         call matrix%factor(balance, regular, fixed, turn)
+         call random_number(rest)
+         x = right + 0.1_dp*maxval(abs(right))*(rest - 0.5_dp)
+         y = 0
+         call matrix%solve(balance, x, y, 1e-6_dp)
+         call tests%is_true(regular .and. matrix%iterations > 0 .and. balance%explicit < harmonics, what//': by iterations')
+         rest = x
+         call fixed%project(rest)
+         call turn%project(rest)
+         call tests%is_close(maxval(abs(x - rest)), 0.0_dp, 1e-12_dp*maxval(abs(x)), what//': planets move alike')
+         x = right
+         y = 0
+         call matrix%solve(balance, x, y, 1e-10_dp)
+         call balance%apply(x, product)
+         call tests%is_close(maxval(abs(product - right)), 0.0_dp, 1e-9_dp*maxval(abs(right)), what//': solution')
+      end subroutine check
+
+   end subroutine iterations
 
    !> Motions whose figures are those of another one, with the planets turned: one orbit.
    subroutine orbits(tests)

@@ -16,6 +16,8 @@ module geartrain_balance_balance
 
    !> Step of the differences that give dS/ds, over the length of the path: their error is some 1e-10.
    real(dp), parameter :: difference = 1e-6_dp
+   !> Displacement by the forces of a displacement of 1 [1] beyond which harmonics are coupled strongly.
+   real(dp), parameter :: strong = 0.5_dp
 
    type, extends(mesh_forces_type) :: balance_type
       !> Where it is allocated, the free parameter s of the branch is a parameter of the train at constant Lambda: the train is that
@@ -190,7 +192,31 @@ contains
             end do
          end associate
       end do
+      if (.not. (self%chosen .or. self%is_direct())) then
+         k = strongly_coupled(self)
+         if (k > self%explicit) call self%make_explicit(k)
+      end if
    end subroutine evaluate_at
+
+   !> Number of the lowest harmonics, up to the last one at which the motion of meshes makes forces that move them by half as much.
+   !> Above it the matrix is nearly the identity: iterations converge, and the sign of the determinant is that of the lowest ones.
+   pure integer function strongly_coupled(self) result(number)
+      class(balance_type), intent(in) :: self
+      real(dp) :: moved(self%unknowns)
+      integer :: i
+
+      associate (graph => self%system%cut%graph)
+         do number = size(self%harmonic), self%explicit + 1, -1
+            associate (h => self%receptance(number)%h)
+               do i = 1, self%unknowns
+                  moved(i) = sum(abs(h(graph%entry(graph%row(i):graph%row(i + 1) - 1))))
+               end do
+            end associate
+            if (any(moved > strong)) return
+         end do
+      end associate
+      number = self%explicit
+   end function strongly_coupled
 
    !> Left sides of the mean equations: the mean forces themselves unless unknown meshes close loops (geartrain_network_mean).
    pure subroutine mean_product(self, force, displacement, product)

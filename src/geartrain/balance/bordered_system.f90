@@ -146,10 +146,10 @@ contains
 
       self%equal = .false.
       if (present(fixed) .and. .not. self%flows) self%equal = fixed%joins()
-      if (self%equal) call self%reduced%setup(fixed%orbit, fixed%inverse, at_once, balance%system%cut%graph)
+      if (self%equal) call self%reduced%setup(fixed%orbit, fixed%mean, fixed%inverse, at_once, balance%system%cut%graph)
       if (present(turn) .and. .not. (self%equal .or. self%flows)) then
          self%equal = allocated(turn%orbit)
-         if (self%equal) call self%reduced%setup(turn%orbit, turn%inverse, turn, balance%system%cut%graph)
+         if (self%equal) call self%reduced%setup(turn%orbit, turn%mean, turn%inverse, turn, balance%system%cut%graph)
       end if
       call self%factor_now(balance, regular)
    end subroutine factor
@@ -217,6 +217,8 @@ contains
       enough = self%least_accuracy()
       if (present(accuracy)) enough = max(enough, accuracy)
       self%iterations = 0
+      ! Iterations cannot reduce a rest without the symmetry, which near a solution is as large as the residual.
+      if (self%equal .and. .not. balance%is_direct()) call self%reduced%project(x)
       do while (regular .and. .not. balance%is_direct())
          call self%iterate(balance, enough, x, y, done)
          if (done) return

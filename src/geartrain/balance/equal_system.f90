@@ -5,6 +5,7 @@
 !> The equations of the mean are those of a tree and its loops. Multiplied with their inverse they are exchanged as the
 !> others are (geartrain_balance_fixed_space), and one of each kind is enough.
 module geartrain_balance_equal_system
+   use geartrain_balance_fixed_space, only: average_equal
    use geartrain_balance_planet_turn, only: planet_turn_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
@@ -16,8 +17,8 @@ module geartrain_balance_equal_system
    type :: equal_system_type
       !> Node of each unknown in the smaller system, (unknown), and unknown that stands for each node, (node).
       integer, allocatable, private :: node(:), unknown(:)
-      !> Factors of the equations of the mean, (equation, unknown).
-      real(dp), allocatable, private :: inverse(:, :)
+      !> Equations of the mean and their inverse, (equation, unknown).
+      real(dp), allocatable, private :: mean(:, :), inverse(:, :)
       !> How much later unknowns move than those that stand for them; not allocated within: all move at once.
       type(planet_turn_type), private :: turn
       !> Couplings of the nodes; the smaller system.
@@ -31,18 +32,19 @@ module geartrain_balance_equal_system
       procedure :: setup
       procedure :: factor
       procedure :: solve
+      procedure :: project
       procedure, private :: fill
    end type equal_system_type
 
 contains
 
    !> Takes which unknowns move equally.
-   subroutine setup(self, orbit, inverse, turn, whole)
+   subroutine setup(self, orbit, mean, inverse, turn, whole)
       class(equal_system_type), intent(inout) :: self
       !> Unknown that stands for each, (unknown).
       integer, intent(in) :: orbit(:)
-      !> Inverse of the equations of the mean, (equation, unknown).
-      real(dp), intent(in) :: inverse(:, :)
+      !> Equations of the mean and their inverse, (equation, unknown).
+      real(dp), intent(in) :: mean(:, :), inverse(:, :)
       !> How much later each moves.
       type(planet_turn_type), intent(in) :: turn
       !> Couplings of the unknowns.
@@ -54,6 +56,7 @@ contains
 
       self%unknown = pack([(i, i=1, size(orbit))], [(orbit(i) == i, i=1, size(orbit))])
       node = [(findloc(self%unknown, orbit(i), 1), i=1, size(orbit))]
+      self%mean = mean
       self%inverse = inverse
       self%turn = turn
       if (allocated(self%node)) then
@@ -170,5 +173,19 @@ contains
       x = one(:, self%node)
       if (allocated(self%turn%orbit)) call self%turn%turn(1, x)
    end subroutine solve
+
+   !> Takes the part of a right-hand side of the whole system that has the symmetry: `solve` leaves nothing of the rest, which is
+   !> rounding.
+   subroutine project(self, x)
+      class(equal_system_type), intent(in) :: self
+      !> Right-hand side, (block, unknown).
+      real(dp), intent(inout) :: x(:, :)
+
+      x(1, :) = matmul(self%inverse, x(1, :))
+      if (allocated(self%turn%orbit)) call self%turn%turn(-1, x)
+      call average_equal(self%unknown(self%node), x)
+      if (allocated(self%turn%orbit)) call self%turn%turn(1, x)
+      x(1, :) = matmul(self%mean, x(1, :))
+   end subroutine project
 
 end module geartrain_balance_equal_system

@@ -18,7 +18,7 @@ module geartrain_balance_fixed_space
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: fixed_space_type, mean_equations
+   public :: average_equal, fixed_space_type, mean_equations
 
    !> Largest difference of two branches that move equally, over the largest coefficient.
    real(dp), parameter :: same = 1e-7_dp
@@ -40,8 +40,7 @@ module geartrain_balance_fixed_space
       !> Unknowns with the same number move equally, (unknown).
       integer, allocatable :: orbit(:)
       !> Equations of the mean where every mesh has its mean stiffness, (equation, unknown), and their inverse.
-      real(dp), allocatable, private :: mean(:, :)
-      real(dp), allocatable :: inverse(:, :)
+      real(dp), allocatable :: mean(:, :), inverse(:, :)
       !> Branches that move half a period later as others do.
       type(half_period_type) :: half_period
    contains
@@ -222,18 +221,27 @@ contains
       class(fixed_space_type), intent(in) :: self
       !> Coefficients [1], (block, unknown).
       real(dp), intent(inout) :: x(:, :)
+
+      if (.not. self%is_whole()) call average_equal(self%orbit, x)
+   end subroutine project_at_once
+
+   !> Gives unknowns that one stands for their mean.
+   pure subroutine average_equal(orbit, x)
+      !> Unknown that stands for each, (unknown).
+      integer, intent(in) :: orbit(:)
+      !> Coefficients [1], (block, unknown).
+      real(dp), intent(inout) :: x(:, :)
       integer :: i, j, l
       integer, allocatable :: member(:)
 
-      if (self%is_whole()) return
       do i = 1, size(x, 2)
-         member = pack([(j, j=1, size(x, 2))], self%orbit == i)
+         member = pack([(j, j=1, size(x, 2))], orbit == i)
          if (size(member) < 2) cycle
          do l = 1, size(x, 1)
             x(l, member) = sum(x(l, member))/size(member)
          end do
       end do
-   end subroutine project_at_once
+   end subroutine average_equal
 
    !> Takes a part of coefficients: a difference of the first two branches of a group, where the other branches get 0; or what
    !> changes its sign half a period later.

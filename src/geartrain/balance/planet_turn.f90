@@ -5,7 +5,7 @@
 !> The other motions come in pairs, whose parts of the Jacobian are conjugate and have a positive determinant; but with an even
 !> number of planets the motions in which each planet moves with the other sign than the one before are a part by themselves.
 module geartrain_balance_planet_turn
-   use geartrain_balance_fixed_space, only: mean_equations
+   use geartrain_balance_fixed_space, only: average_equal, mean_equations
    use geartrain_base_kinds, only: dp
    use geartrain_network_planet_symmetry, only: symmetry_type
    use geartrain_network_system, only: system_type
@@ -19,8 +19,8 @@ module geartrain_balance_planet_turn
    type :: planet_turn_type
       !> Unknown that stands for each, (unknown); not allocated: the motions have no such symmetry.
       integer, allocatable :: orbit(:)
-      !> Inverse of the equations of the mean where every mesh has its mean stiffness, (equation, unknown).
-      real(dp), allocatable :: inverse(:, :)
+      !> Equations of the mean where every mesh has its mean stiffness, (equation, unknown), and their inverse.
+      real(dp), allocatable :: mean(:, :), inverse(:, :)
       !> Cosine and sine of the angle by which each harmonic of an unknown is behind that of the one that stands for it,
       !> (harmonic, unknown).
       real(dp), allocatable :: cosine(:, :), sine(:, :)
@@ -51,7 +51,6 @@ contains
       !> A motion, and a direction in which it is to be followed: coefficients of the unknown meshes [1], (block, unknown).
       real(dp), intent(in) :: u(:, :), tangent(:, :)
       type(planet_turn_type) :: next
-      real(dp), allocatable :: mean(:, :)
       integer :: at(2), i, k, n
 
       if (allocated(self%orbit)) deallocate (self%orbit)
@@ -73,11 +72,12 @@ contains
             end do
             call next%take_harmonics(harmonic)
             if (.not. (moves_so(u) .and. moves_so(tangent))) cycle
-            call mean_equations(system, mean, next%inverse)
+            call mean_equations(system, next%mean, next%inverse)
             if (.not. allocated(next%inverse)) cycle
             self%orbit = next%orbit
             self%shift = next%shift
             if (mod(n, 2) == 0) self%other = next%other
+            self%mean = next%mean
             self%inverse = next%inverse
             self%cosine = next%cosine
             self%sine = next%sine
@@ -118,23 +118,10 @@ contains
       class(planet_turn_type), intent(in) :: self
       !> Coefficients [1], (block, unknown).
       real(dp), intent(inout) :: x(:, :)
-      real(dp), allocatable :: mean(:)
-      integer :: i, j
 
       if (.not. allocated(self%orbit)) return
-      allocate (mean(size(x, 1)))
       call self%turn(-1, x)
-      do i = 1, size(x, 2)
-         if (self%orbit(i) /= i) cycle
-         mean = 0
-         do j = 1, size(x, 2)
-            if (self%orbit(j) == i) mean = mean + x(:, j)
-         end do
-         mean = mean/count(self%orbit == i)
-         do j = 1, size(x, 2)
-            if (self%orbit(j) == i) x(:, j) = mean
-         end do
-      end do
+      call average_equal(self%orbit, x)
       call self%turn(1, x)
    end subroutine project
 
