@@ -1,15 +1,17 @@
 !> What a flow does in the long run: sections of its attractor at phase 0, their period, Lyapunov exponents, rotation number.
 module geartrain_flow_long_run
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
-   use geartrain_base_kinds, only: dp
-   use geartrain_floquet_multipliers, only: eigenvalues, is_neutral, is_stable
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_flow_bound, only: bound_type
    use geartrain_flow_disturbance, only: disturb
    use geartrain_flow_flow_kind, only: flow_kind
+   use geartrain_flow_kept_states, only: judge, keeps
    use geartrain_flow_orbit, only: propagate
    use geartrain_flow_section_map, only: section_map_type
    use geartrain_flow_section_trend, only: section_trend_type
+   use geartrain_flow_shooting, only: find_orbit
    use geartrain_flow_spectrum, only: lyapunov_spectrum, rotation_number
+   use geartrain_flow_tangent_flight, only: tangent_flight_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -18,6 +20,11 @@ module geartrain_flow_long_run
    !> Relative difference of sections that repeat themselves; of sections that differ, and do not turn about an orbit as they settle
    !> on it.
    real(dp), parameter :: repeated_to = 1e-6_dp, clearly_different = 1e-4_dp
+   !> Uncertainty of multipliers relative to the largest: rounding, and its square root where two of them meet. Least size of those
+   !> that are known, relative to the largest.
+   real(dp), parameter :: rounding = 1e-7_dp, smallest = 1e-6_dp
+   !> Most steps of Newton's method to an orbit.
+   integer, parameter :: most_steps = 10
    !> Most disturbances of a flow that rests on orbits that repel.
    integer, parameter :: most_disturbances = 3
 
@@ -69,8 +76,7 @@ contains
          end if
          period = period_of(sections)
          repels = .false.
-         ! An exponent that is clearly negative says that the orbit attracts.
-         if (period > 0 .and. .not. exponents(1) < -errors(1)) repels = orbit_repels(system, frequency_ratio, period, state)
+         if (period > 0) call look_at_orbit(system, frequency_ratio, period, state, exponents, errors, repels)
          if (.not. repels .or. i == most_disturbances) exit
          call disturb(system, state)
       end do
@@ -103,18 +109,39 @@ contains
 
    end subroutine find_long_run
 
-   !> Whether the orbit of a state on it has a multiplier outside the unit circle.
-   logical function orbit_repels(system, frequency_ratio, period, state)
-      type(system_type), intent(in) :: system
+   !> The Lyapunov exponents of an orbit are the rates of its multipliers, which take the place of averages, but for those that are
+   !> too small beside the largest.
+   subroutine look_at_orbit(system, frequency_ratio, period, state, exponents, errors, repels)
+      type(system_type), target, intent(in) :: system
+      !> Lambda [1]; a state near the orbit at phase 0 [1], (state).
       real(dp), intent(in) :: frequency_ratio, state(:)
+      !> Period [periods of the fundamental].
       integer, intent(in) :: period
-      real(dp) :: final(size(state)), monodromy(size(state), size(state))
+      !> See `find_long_run`.
+      real(dp), intent(inout) :: exponents(:), errors(:)
+      !> Whether a multiplier is outside the unit circle.
+      logical, intent(out) :: repels
+      type(tangent_flight_type) :: flight
+      real(dp) :: orbit(size(state)), monodromy(size(state), size(state)), size_(size(state)), length, rate
       complex(dp) :: multipliers(size(state))
+      logical :: found, stable, undecided
 
-      call propagate(system, frequency_ratio, period, state, final, monodromy)
-      call eigenvalues(monodromy, multipliers)
-      orbit_repels = .not. (is_stable(multipliers) .or. is_neutral(multipliers))
-   end function orbit_repels
+      orbit = state
+      call flight%setup(system, exact=.true.)
+      call find_orbit(flight, frequency_ratio, period, most_steps, orbit, monodromy, length, found)
+      ! Newton's method may have gone to another one.
+      if (found) found = maxval(abs(orbit - state)) < clearly_different*maxval(abs(state))
+      if (.not. found) call propagate(system, frequency_ratio, period, state, orbit, monodromy)
+      call judge(monodromy, multipliers, stable, undecided)
+      repels = .not. (stable .or. undecided)
+      if (.not. found .or. any(keeps(monodromy))) return
+      rate = frequency_ratio/(2*pi*period)
+      size_ = max(abs(multipliers), tiny(rate))
+      where (size_ > smallest*maxval(size_))
+         exponents = rate*log(size_)
+         errors = rate*rounding*maxval(size_)/size_
+      end where
+   end subroutine look_at_orbit
 
    !> Shortest period after which the last half of the sections repeats itself; 0: none, or it is not sure which.
    pure integer function period_of(sections) result(period)
