@@ -4,7 +4,7 @@ program main
    use arguments, only: arguments_type, read_arguments
    use audits, only: audit_cases
    use cases, only: check_cases, explain_cases, new_case, run_cases
-   use geartrain, only: blas_threads, status_file, status_input, template_text, version
+   use geartrain, only: blas_kernels, blas_threads, status_file, status_input, template_text, version
    use geartrain_base_memory, only: can_begin
    use geartrain_input_text, only: reference_text
    use geartrain_run_reference, only: output_reference
@@ -17,6 +17,7 @@ program main
    integer :: status, blas_threads_before
 
    call stand_firm()
+   call blas_kernels()
    blas_threads_before = blas_threads(1)
    if (.not. can_begin()) then
       call complain('geartrain: error: there is not enough memory to begin with, 160 MB beside the program: is there a limit &

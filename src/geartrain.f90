@@ -38,7 +38,7 @@ module geartrain
    use geartrain_input_reader, only: read_case, read_case_text
    use geartrain_input_template, only: template_text
    use geartrain_input_text, only: case_text
-   use geartrain_linalg_blas_threads, only: blas_threads
+   use geartrain_linalg_openblas, only: blas_kernels, blas_threads
    use geartrain_network_check_train, only: check_train
    use geartrain_network_gradient, only: frequency_gradient, gradient_type
    use geartrain_network_natural_modes, only: modes_type, natural_modes

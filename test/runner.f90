@@ -5,7 +5,7 @@ module runner
    use, intrinsic :: iso_fortran_env, only: error_unit, int64, output_unit
    use geartrain_base_kinds, only: dp
    use geartrain_base_nearest, only: nearest_name
-   use geartrain_linalg_blas_threads, only: blas_threads
+   use geartrain_linalg_openblas, only: blas_kernels, blas_threads
    use testing, only: check_failed, check_passed, suite_ended, suite_type, test_begins, tests_type, tier_names, &
       time_limit
    implicit none (type, external)
@@ -72,6 +72,7 @@ contains
       integer :: before, i, j
       logical :: names_alone
 
+      call blas_kernels()
       before = blas_threads(1)
       names_alone = .false.
       allocate (arguments(0))

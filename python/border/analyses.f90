@@ -51,6 +51,14 @@ subroutine close_box(handle)
    deallocate (box)
 end subroutine close_box
 
+! Lets OpenBLAS take kernels for a processor that it does not know.
+subroutine blas_kernels()
+   use geartrain, only: take_kernels => blas_kernels
+   implicit none
+
+   call take_kernels()
+end subroutine blas_kernels
+
 ! Lets OpenBLAS use so many threads; how many there were, 0 without OpenBLAS.
 subroutine blas_threads(number, before)
    use geartrain, only: set_threads => blas_threads

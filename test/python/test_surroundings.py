@@ -2,10 +2,12 @@
 
 import dataclasses
 import itertools
+import os
 import shutil
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -230,3 +232,25 @@ def test_a_library_that_cannot_tell_nan_knows_it(flags, safe, tmp_path):
     sources = [ROOT / "src" / "geartrain" / "base" / f"{name}.f90" for name in ("kinds", "arithmetic")]
     subprocess.run(["gfortran", *flags.split(), *sources, "asks.f90", "-o", "asks"], cwd=tmp_path, check=True)
     assert subprocess.run(["./asks"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout.strip() == "FT"[safe]
+
+
+@pytest.mark.parametrize(("asked", "kernels"), [({}, None), ({"OPENBLAS_CORETYPE": "Prescott"}, "Prescott")])
+def test_openblas_takes_the_kernels_that_the_processor_can_take(asked, kernels):
+    """Of a model that it does not know, too, which it takes for one of 2004; but what the user asks for stays."""
+    code = """
+import ctypes
+import geartrain
+for path in {line.split()[-1] for line in open("/proc/self/maps") if "/libopenblas" in line}:
+    library = ctypes.CDLL(path)
+    library.openblas_get_corename.restype = ctypes.c_char_p
+    print(library.openblas_get_corename().decode())
+"""
+    flags = Path("/proc/cpuinfo").read_text().split()
+    if not {"avx2", "fma"} <= set(flags):
+        pytest.skip("this processor has no AVX2")
+    environment = {name: value for name, value in os.environ.items() if name != "OPENBLAS_CORETYPE"}
+    done = subprocess.run([sys.executable, "-c", code], env={**environment, **asked}, capture_output=True, text=True, check=True)
+    found = done.stdout.split()
+    if not found:
+        pytest.skip("the package is linked with another BLAS")
+    assert (found == [kernels]) if kernels else ("Prescott" not in found)

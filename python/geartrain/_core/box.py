@@ -24,6 +24,9 @@ __all__ = ["Box", "Group", "Words", "described", "file_name", "fortran", "one_bl
 
 Array = NDArray[Any]
 
+# Now, while nothing else of this package computes.
+fortran.blas_kernels()
+
 _INPUT, _ENDED_EARLY, _FILE, _MEMORY = 2, 3, 4, 5
 
 
