@@ -147,3 +147,25 @@ def test_damping_to_ground_is_one_more_state():
     again = train.integrate(frequency=0.65, start=motion.state)
     assert np.abs(again.rms - motion.rms).max() < 1e-9
     assert np.abs(branch.at(0.65)[0].refine().rms - motion.rms).max() < 1e-9
+
+
+@pytest.mark.filterwarnings("ignore::geartrain.DrawingWarning")
+@pytest.mark.parametrize(("name", "frequency", "unit"), [
+    ("fig03", 0.7, "Lambda"), ("branched", 2.4, "Lambda"), ("planetary", 3000.0, "rpm"), ("clutch", 1200.0, "rpm"),
+    ("bearings", 4000.0, "rpm"),
+])
+def test_the_values_of_a_state_have_names(name, frequency, unit):
+    """Displacements and velocities of meshes, couplings and bearings at time 0, as the coefficients of the motion have them."""
+    train = gt.read_case(ROOT / f"namelists/{name}.nml").train
+    modes, motion = train.modes(), train.integrate(frequency, unit=unit)
+    assert motion.kind == "periodic"
+    values = dict(zip(modes.state, motion.state, strict=True))
+    with_play = [element for element in modes.element if not element.startswith(("shaft", "ground"))]
+    assert len(with_play) == len(motion.coefficients)
+    named = [number for number, element in enumerate(with_play) if element in values]
+    assert named
+    for number in named:
+        mean, cosines, sines = motion.coefficients[number, 0], motion.coefficients[number, 1::2], motion.coefficients[number, 2::2]
+        rate = np.arange(1, len(sines) + 1) @ sines * motion.frequency / motion.period
+        assert values[with_play[number]] == pytest.approx(mean + cosines.sum(), abs=1e-6 * np.abs(motion.state).max())
+        assert values[f"rate of {with_play[number]}"] == pytest.approx(rate, abs=1e-4 * np.abs(motion.state).max())

@@ -40,6 +40,9 @@ class Modes(Table):
         What the elements are: ``'shaft 1'``, ``'mesh 1'``, ...
     element_label : tuple of str
         Names of the two bodies that each joins, ``'pinion - wheel'``; in a chain as ``element``.
+    state : tuple of str, or None
+        What the values of ``Motion.state`` are: ``'mesh 1'``, the displacement of this element, ``'rate of mesh 1'``, its velocity.
+        None of a file written by an earlier version.
     body : tuple of str, or None
         Names of the bodies; None of a file written by an earlier version.
     rotation : ndarray, (modes, bodies), or None
@@ -63,6 +66,7 @@ class Modes(Table):
     shape: NDArray[np.float64]
     element: tuple[str, ...]
     element_label: tuple[str, ...]
+    state: tuple[str, ...] | None = None
     body: tuple[str, ...] | None = None
     rotation: NDArray[np.float64] | None = None
     energy: NDArray[np.float64] | None = None

@@ -81,9 +81,8 @@ class Motion(Pictures, Recording):
     state : ndarray, (2*elements,), or None
         Displacement of every elastic element at time 0, then its velocity (per 1/characteristic_frequency), where integration gave
         the motion: a mesh's displacement, a shaft's twist less its static twist times the base radius of the gear at its end (the
-        driving one of the mesh that follows; for the last shaft the driven one before it), all over characteristic_length. A
-        chain has its elements in the order of the case. Other trains may not: take a start from the ``state`` of a motion, since
-        ``train.modes().element`` has another order.
+        driving one of the mesh that follows; for the last shaft the driven one before it), all over characteristic_length.
+        ``train.modes().state`` names the values.
     error_estimate : float
         Relative error of the waveform as estimated; nan where there is no estimate.
     reading_error_estimate : float

@@ -95,6 +95,9 @@ contains
                                 &system'), modes%damping_ratio)
          call carry(fields, row('shape', 'mode element', '1', 'displacement of each element, largest 1; mesh: along the line of &
                                 &action, shaft: twist times base radius'), modes%shape)
+         if (fields%has('state', allocated(modes%state))) &
+            call carry(fields, row('state', 'state', '', 'values of a state, as time integration gives it: `mesh 1`, displacement &
+                                   &of this element; `rate of mesh 1`, its velocity', optional=.true.), modes%state)
          if (.not. fields%has('body', allocated(modes%body))) return
          call carry(fields, row('body', 'body', '', 'name of each body; in a chain `driving end`, `driving gear 1`, `driven gear &
                                 &1`, ..., `driven end`', optional=.true.), modes%body)

@@ -38,6 +38,8 @@ module geartrain_network_natural_modes
       character(20), allocatable :: element(:)
       !> Names of the two bodies that an element joins, 'pinion - wheel'; in a chain as `element`, (element).
       character(label_length), allocatable :: element_label(:)
+      !> What the values of a state are: 'mesh 1' the displacement of this element, 'rate of mesh 1' its velocity, (state).
+      character(28), allocatable :: state(:)
       !> Names of the bodies, (body).
       character(label_length), allocatable :: body(:)
       !> With planetary sets 'torsional': the planets of each set move alike; 'planets of stage 1': sun, ring and carrier stand
@@ -74,6 +76,7 @@ contains
       type(system_type), intent(in) :: system
       type(modes_type), intent(inout) :: modes
       character(label_length) :: shafts(size(train%shafts)), meshes(size(train%meshes))
+      character(len(modes%element)) :: names(system%elements)
       integer, allocatable :: shown(:)
       integer :: body, i
 
@@ -81,22 +84,48 @@ contains
       meshes = mesh_labels(train)
       modes%body = body_labels(train)
       shown = elastic(system)
-      allocate (modes%element(size(shown)), modes%element_label(size(shown)))
+      allocate (modes%element_label(size(shown)))
+      do i = 1, system%elements
+         associate (shaft => system%element_shaft(i), mesh => system%element_mesh(i))
+            if (mesh > 0) then
+               names(i) = mesh_word(train%meshes, mesh)
+            else if (shaft > 0) then
+               write (names(i), '(a, i0)') 'shaft ', shaft
+            else
+               write (names(i), '(a, i0)') 'ground ', grounded(i)
+            end if
+         end associate
+      end do
       do i = 1, size(shown)
          associate (shaft => system%element_shaft(shown(i)), mesh => system%element_mesh(shown(i)))
             if (mesh > 0) then
-               modes%element(i) = mesh_word(train%meshes, mesh)
                modes%element_label(i) = meshes(mesh)
             else if (shaft > 0) then
-               write (modes%element(i), '(a, i0)') 'shaft ', shaft
                modes%element_label(i) = shafts(shaft)
             else
-               body = findloc(system%network%node, system%network%elements(shown(i))%node(1), 1)
-               write (modes%element(i), '(a, i0)') 'ground ', body
+               body = grounded(shown(i))
                modes%element_label(i) = trim(modes%body(body))//' - ground'
             end if
          end associate
       end do
+      modes%element = names(shown)
+      allocate (modes%state(system%states))
+      do i = 1, system%displacements
+         modes%state(i) = names(i)
+      end do
+      do i = 1, system%coordinates
+         modes%state(system%displacements + i) = 'rate of '//names(i)
+      end do
+
+   contains
+
+      !> Number of the body that an element joins with ground.
+      pure integer function grounded(element)
+         integer, intent(in) :: element
+
+         grounded = findloc(system%network%node, system%network%elements(element)%node(1), 1)
+      end function grounded
+
    end subroutine name_elements
 
    !> Sets the kinds of the modes of a train with planetary sets.
