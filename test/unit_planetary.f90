@@ -33,6 +33,7 @@ contains
       if (tests%runs('revolution')) call revolution(tests)
       if (tests%runs('symmetry')) call symmetry(tests)
       if (tests%runs('iterations')) call iterations(tests)
+      if (tests%runs('in_time')) call in_time(tests)
       if (tests%runs('orbits')) call orbits(tests)
       if (tests%runs('modes')) call modes_told(tests)
    end subroutine planetary_tests
@@ -267,6 +268,7 @@ contains
          u(1, :) = system%half_backlash(balance%mesh) + 0.5_dp
          call fixed%project(u)
          call turn%project(u)
+         balance%equal = .true.
          call balance%evaluate(u, 0.9_dp)
          right = balance%residual
          call matrix%linearize(balance)
@@ -290,6 +292,64 @@ contains
       end subroutine check
 
    end subroutine iterations
+
+   !> The linearised train in time beside elimination of all harmonics: solutions, and where the determinant changes its sign. With
+   !> an error of a planet no symmetry is left; meshes close loops, whose mean displacements fit together.
+   subroutine in_time(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: harmonics = 60, motions = 12
+      type(train_type) :: train
+      type(system_type), target :: system
+      type(balance_type) :: balance, direct
+      type(bordered_system_type) :: matrix, whole
+      type(error_type), allocatable :: error
+      real(dp), allocatable :: u(:, :), right(:, :), x(:, :), exact(:, :)
+      real(dp) :: y, y_exact
+      integer :: k, motion, sign(motions), exact_sign(motions)
+      logical :: regular
+
+      train = stage([26, 31, 88], 3)
+      train%planetaries(1)%planet_errors = [0.0_dp, 5e-6_dp, -2e-6_dp]
+      call expand_planetaries(train, error)
+      call build_system(train, system)
+      call balance%setup(system, harmonics, 1, 0)
+      call direct%setup(system, harmonics, 1, 0, [(k, k=1, harmonics)])
+      call matrix%setup(balance)
+      call whole%setup(direct)
+      allocate (u(balance%block, balance%unknowns))
+      allocate (right, x, exact, mold=u)
+      call tests%is_true(direct%is_direct() .and. balance%block == direct%block, 'the same harmonics')
+      do motion = 1, motions
+         call random_number(u)
+         u = 8*(u - 0.5_dp)*spread([1.0_dp, (1.0_dp/(1 + k/2)**2, k=2, balance%block)], 2, balance%unknowns)
+         u(1, :) = system%half_backlash(balance%mesh) + 0.5_dp
+         call random_number(right)
+         right = right - 0.5_dp
+         call balance%evaluate(u, 0.4_dp)
+         call direct%evaluate(u, 0.4_dp)
+         call matrix%linearize(balance)
+         call whole%linearize(direct)
+         matrix%row = 0.01_dp*right
+         matrix%corner = 1
+         whole%row = matrix%row
+         whole%corner = 1
+         call matrix%factor(balance, regular)
+         call tests%is_true(regular .and. matrix%solves_in_time() .and. balance%parts(), 'in time, where teeth part')
+         call whole%factor(direct, regular)
+         sign(motion) = matrix%orientation
+         exact_sign(motion) = whole%orientation
+         x = right
+         y = 0.3_dp
+         exact = right
+         y_exact = y
+         call matrix%solve(balance, x, y)
+         call whole%solve(direct, exact, y_exact)
+         call tests%is_true(matrix%iterations > 0 .and. matrix%iterations < 60, 'by iterations')
+         call tests%is_close(maxval(abs(x - exact)) + abs(y - y_exact), 0.0_dp, 0.02_dp*maxval(abs(exact)), 'solution')
+      end do
+      call tests%is_true(any(exact_sign > 0) .and. any(exact_sign < 0), 'motions on both sides')
+      call tests%is_true(all(sign*exact_sign == sign(1)*exact_sign(1)), 'the sign of the determinant')
+   end subroutine in_time
 
    !> Motions whose figures are those of another one, with the planets turned: one orbit.
    subroutine orbits(tests)

@@ -120,8 +120,8 @@ def test_an_unloaded_planet_of_a_differential():
               gt.Shaft(between=("sun", "front"), stiffness=8000.0, damping_ratio=0.03),
               gt.Shaft(between=("carrier", "rear"), stiffness=9000.0, damping_ratio=0.03)]
     train = gt.Train(bodies=bodies, planetaries=[stage], shafts=shafts)
-    branch = train.response(start=520.0, stop=524.0, unit="rpm", harmonics=0, tolerance=1e-3, stability=False)
-    assert branch.ended == "reached 524 rpm" and (branch.error_estimate < 1e-3).all()
+    branch = train.response(start=520.0, stop=600.0, unit="rpm", harmonics=0, tolerance=1e-3, stability=False)
+    assert branch.ended == "reached 600 rpm" and (branch.error_estimate < 1e-3).all()
     [motion] = branch.at(522.0, unit="rpm")
     settled = train.integrate(522.0, unit="rpm")
     assert settled.kind == "periodic" and settled.separation_fraction.max() > 0.5

@@ -192,7 +192,7 @@ contains
             end do
          end associate
       end do
-      if (.not. (self%chosen .or. self%is_direct())) then
+      if (.not. (self%chosen .or. self%is_direct() .or. self%suits_flow())) then
          k = strongly_coupled(self)
          if (k > self%explicit) call self%make_explicit(k)
       end if

@@ -8,7 +8,7 @@ module geartrain_balance_bordered_system
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_equal_system, only: equal_system_type
    use geartrain_balance_fixed_space, only: fixed_space_type
-   use geartrain_balance_linear_flow, only: linear_flow_type, suits
+   use geartrain_balance_linear_flow, only: linear_flow_type
    use geartrain_balance_planet_turn, only: planet_turn_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
@@ -86,8 +86,7 @@ contains
       if (allocated(self%column)) deallocate (self%column, self%row)
       allocate (self%column(balance%block, balance%unknowns), self%row(balance%block, balance%unknowns))
       if (allocated(self%basis)) deallocate (self%basis, self%basis_y, self%solved, self%solved_y)
-      self%suits_flow = balance%chosen .and. .not. balance%is_direct()
-      if (self%suits_flow) self%suits_flow = suits(balance%system)
+      self%suits_flow = balance%suits_flow()
       self%has_long_period = self%suits_flow .and. balance%has_long_period()
       self%most = merge(most_iterations_in_time, most_iterations, self%suits_flow)
       if (self%has_long_period) self%most = most_iterations_in_contact
@@ -103,7 +102,7 @@ contains
       type(balance_type), intent(in) :: balance
 
       ! Where no teeth part harmonics are coupled weakly, and the period may be that of hunting teeth.
-      self%flows = self%suits_flow .and. .not. balance%is_direct() .and. (balance%parts() .or. .not. self%has_long_period)
+      self%flows = self%suits_flow .and. balance%suits_flow() .and. (balance%parts() .or. .not. self%has_long_period)
       if (.not. self%flows) call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize

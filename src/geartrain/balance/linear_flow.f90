@@ -6,30 +6,35 @@
 !> the stiffness along the motion. Exact for all harmonics and infinitely small steps, so as preconditioner of GMRES it leaves
 !> what the carried harmonics and the steps differ from that. Harmonics up to the natural frequencies of the meshes are coupled
 !> strongly where teeth separate; eliminated together they would cost the cube of their number, here they cost their number.
+!>
+!> All elements take the steps, also those that close loops: they stay in step with the coordinates that they begin with.
 module geartrain_balance_linear_flow
-   use, intrinsic :: iso_c_binding, only: c_double, c_int
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_fixed_space, only: mean_equations
+   use geartrain_balance_flow_steps, only: add_influence, mass_of_steps, take_steps, take_steps_back, transpose_steps
    use geartrain_balance_products, only: find_wave
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_elimination, only: factor_matrix, solve_factored
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: sample, transform_length
-   use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: linear_flow_type, suits
+   public :: linear_flow_type
 
    !> Longest step over the time in which the fastest mesh vibrates by 1 rad.
    real(dp), parameter :: longest = 0.8_dp
    !> Number of segments of a period (flow_steps.c); fours of steps fill them.
    integer, parameter :: segments = 8
    integer, parameter :: least_samples = 1024
-   !> A step costs the square of the number of elements, and flow_steps.c has room for so many.
-   integer, parameter :: most_elements = 24
 
    type :: linear_flow_type
-      !> Numbers of elements and of steps of a segment.
-      integer :: elements = 0, steps = 0
+      !> Numbers of elements, of coordinates and of steps of a segment.
+      integer :: elements = 0, coordinates = 0, steps = 0
+      !> Displacement of each element that closes a loop by the coordinates, (loop, coordinate).
+      real(dp), allocatable :: loop(:, :)
+      !> Where meshes close loops, displacements and forces of the meshes with their mean stiffness by the equations of the mean,
+      !> (unknown, equation); else the equations are those of the forces.
+      real(dp), allocatable :: inverse(:, :)
       !> Length of a step, dimensionless time.
       real(dp) :: h = 0
       !> Element of each unknown mesh, (unknown).
@@ -49,8 +54,9 @@ module geartrain_balance_linear_flow
       !> End state of a segment and entry in the border row per force on an unknown mesh at a step,
       !> (segment, 2*elements + 1, step, unknown); by the state at its beginning, (segment, 2*elements + 1, 2*elements).
       real(dp), allocatable :: influence(:, :, :, :), map(:, :, :)
-      !> End states and entries in the border row by `column_force`, (segment, 2*elements + 1).
-      real(dp), allocatable :: column_added(:, :)
+      !> End states and entries in the border row by `column_force`, (segment, 2*elements + 1), and mean displacements that go with
+      !> this force, (unknown).
+      real(dp), allocatable :: column_added(:, :), column_offset(:)
       !> Factors of the equations of state at the beginning and the entry in the border row.
       real(dp), allocatable :: matrix(:, :)
       integer, allocatable :: pivot(:)
@@ -63,6 +69,8 @@ module geartrain_balance_linear_flow
       procedure :: solve_tail
       procedure, private :: prepare
       procedure, private :: close_period
+      procedure, private :: whole
+      procedure, private :: part
       procedure, private :: add_path
       procedure, private :: carry
       procedure, private :: carry_back
@@ -71,57 +79,7 @@ module geartrain_balance_linear_flow
       procedure, private :: join
    end type linear_flow_type
 
-   ! flow_steps.c
-   interface
-      pure subroutine transpose_steps(rows, columns, from, to) bind(c, name='geartrain_transpose')
-         import :: c_double, c_int
-         implicit none (type, external)
-         integer(c_int), value :: rows, columns
-         real(c_double), intent(in) :: from(*)
-         real(c_double), intent(inout) :: to(*)
-      end subroutine transpose_steps
-
-      pure subroutine take_steps(elements, unknowns, steps, element, h, mass, spring, damper, stiffness, drive, p, v, y) &
-         bind(c, name='geartrain_flow_steps')
-         import :: c_double, c_int
-         implicit none (type, external)
-         integer(c_int), value :: elements, unknowns, steps
-         real(c_double), value :: h
-         integer(c_int), intent(in) :: element(*)
-         real(c_double), intent(in), dimension(*) :: mass, spring, damper, stiffness, drive
-         real(c_double), intent(inout), dimension(*) :: p, v, y
-      end subroutine take_steps
-
-      pure subroutine add_influence(states, steps, influence, force, added) bind(c, name='geartrain_add_influence')
-         import :: c_double, c_int
-         implicit none (type, external)
-         integer(c_int), value :: states, steps
-         real(c_double), intent(in), dimension(*) :: influence, force
-         real(c_double), intent(inout), dimension(*) :: added
-      end subroutine add_influence
-
-      pure subroutine take_steps_back(elements, unknowns, steps, functionals, element, h, mass, spring, damper, stiffness, row, p, &
-                                      v, force, influence) bind(c, name='geartrain_carry_back')
-         import :: c_double, c_int
-         implicit none (type, external)
-         integer(c_int), value :: elements, unknowns, steps, functionals
-         real(c_double), value :: h
-         integer(c_int), intent(in) :: element(*)
-         real(c_double), intent(in), dimension(*) :: mass, spring, damper, stiffness, row
-         real(c_double), intent(inout), dimension(*) :: p, v, force, influence
-      end subroutine take_steps_back
-   end interface
-
 contains
-
-   !> Whether the flow is written for a train: no loops, no damping to ground, no damping that changes with the contact, few
-   !> elements.
-   pure logical function suits(system)
-      type(system_type), intent(in) :: system
-
-      suits = system%elements <= most_elements .and. system%coordinates == system%elements .and. &
-              system%displacements == system%elements .and. .not. any(system%law%jumps)
-   end function suits
 
    !> Prepares for the motion of the latest `evaluate` and a border.
    subroutine factor(self, balance, column, row, corner, regular)
@@ -133,10 +91,10 @@ contains
       !> Whether the flow determines a solution.
       logical, intent(out) :: regular
       real(dp) :: u(size(row, 1)), added(2*balance%system%elements + 1)
-      integer :: i, info, n
+      integer :: i, info, k, n
 
       call self%prepare(balance)
-      n = 2*self%elements
+      n = 2*self%coordinates
       do i = 1, balance%unknowns
          u = 2*row(:, i)
          u(1) = row(1, i)
@@ -147,18 +105,16 @@ contains
       call self%carry_back()
       self%matrix = 0
       do i = 1, n
-         added = 0
-         added(i) = 1
+         added = self%whole([(merge(1.0_dp, 0.0_dp, k == i), k=1, n)])
          call self%join(added)
-         self%matrix(:n, i) = -added(:n)
-         self%matrix(n + 1, i) = added(n + 1)
+         self%matrix(:, i) = self%part(added)*[(-1.0_dp, k=1, n), 1.0_dp]
          self%matrix(i, i) = self%matrix(i, i) + 1
       end do
-      call self%find_force(balance, column, self%column_force, self%column_added)
+      call self%find_force(balance, column, self%column_force, self%column_added, self%column_offset)
       added = 0
       call self%join(added, self%column_added)
-      self%matrix(:n, n + 1) = added(:n)
-      self%matrix(n + 1, n + 1) = corner - added(n + 1) - sum(row(2:, :)*column(2:, :))
+      self%matrix(:, n + 1) = self%part(added)
+      self%matrix(n + 1, n + 1) = corner - self%matrix(n + 1, n + 1) - border_entry(row, column, self%column_offset)
       call factor_matrix(n + 1, self%matrix, self%pivot, info)
       regular = info == 0
       self%orientation = 1
@@ -176,18 +132,28 @@ contains
       real(dp), intent(in) :: column(:, :), row(:, :)
       !> Right-hand side, afterwards the solution, (block, unknown), and its entry in the border row.
       real(dp), intent(inout) :: x(:, :), y
-      real(dp) :: added(segments, 2*self%elements + 1)
+      real(dp) :: added(segments, 2*self%elements + 1), offset(balance%unknowns)
       integer :: i
 
-      call self%find_force(balance, x, self%force, added)
-      y = y - sum(row(2:, :)*x(2:, :))
+      call self%find_force(balance, x, self%force, added, offset)
+      y = y - border_entry(row, x, offset)
       call self%close_period(added, y)
       x = x - y*column
-      x(1, :) = 0
+      x(1, :) = offset - y*self%column_offset
       do i = 1, balance%unknowns
          call self%add_path(balance%harmonic, i, x(:, i))
       end do
    end subroutine solve
+
+   !> Entry in the border row by a waveform with other means.
+   pure real(dp) function border_entry(row, x, means)
+      !> Border row and coefficients, (block, unknown).
+      real(dp), intent(in) :: row(:, :), x(:, :)
+      !> The means, (unknown).
+      real(dp), intent(in) :: means(:)
+
+      border_entry = sum(row(2:, :)*x(2:, :)) + sum(row(1, :)*means)
+   end function border_entry
 
    !> Error of the balance to first order, by the residual at the harmonics of a tail: of all harmonics coupled, not of the carried
    !> ones alone.
@@ -219,7 +185,7 @@ contains
       y = 0
       call self%close_period(added, y)
       x = -y*column
-      x(1, :) = 0
+      x(1, :) = -y*self%column_offset
       do i = 1, balance%unknowns
          call self%add_path(balance%harmonic, i, x(:, i))
          tail(:known, i) = tail(:known, i) + 2*self%transform%coefficient(harmonic(:known) + 1)
@@ -252,31 +218,65 @@ contains
       real(dp), intent(inout) :: added(:, :)
       !> Right-hand side of the border row without the part of `force`, afterwards the multiple of the border column.
       real(dp), intent(inout) :: y
-      real(dp) :: b(2*self%elements + 1, 1)
+      real(dp) :: b(2*self%coordinates + 1, 1), end_(2*self%elements + 1)
       integer :: n
 
-      n = 2*self%elements
-      b = 0
-      call self%join(b(:, 1), added)
+      n = 2*self%coordinates
+      end_ = 0
+      call self%join(end_, added)
+      b(:, 1) = self%part(end_)
       b(n + 1, 1) = y - b(n + 1, 1)
       call solve_factored(n + 1, 1, self%matrix, self%pivot, b)
       y = b(n + 1, 1)
       self%force = self%force - y*self%column_force
       added = added - y*self%column_added
-      call self%carry(b(:n, 1), added)
+      end_ = self%whole(b(:n, 1))
+      call self%carry(end_(:2*self%elements), added)
    end subroutine close_period
+
+   !> State of all elements, and 0 for the entry in the border row, (2*elements + 1).
+   pure function whole(self, state)
+      class(linear_flow_type), intent(in) :: self
+      !> State of the coordinates, (2*coordinates).
+      real(dp), intent(in) :: state(:)
+      real(dp) :: whole(2*self%elements + 1)
+
+      whole = 0
+      associate (c => self%coordinates, e => self%elements)
+         whole(:c) = state(:c)
+         whole(c + 1:e) = matmul(self%loop, state(:c))
+         whole(e + 1:e + c) = state(c + 1:)
+         whole(e + c + 1:2*e) = matmul(self%loop, state(c + 1:))
+      end associate
+   end function whole
+
+   !> State of the coordinates and entry in the border row, (2*coordinates + 1).
+   pure function part(self, state)
+      class(linear_flow_type), intent(in) :: self
+      !> State of all elements and the entry, (2*elements + 1).
+      real(dp), intent(in) :: state(:)
+      real(dp) :: part(2*self%coordinates + 1)
+
+      associate (c => self%coordinates, e => self%elements)
+         part = [state(:c), state(e + 1:e + c), state(2*e + 1)]
+      end associate
+   end function part
 
    !> Chooses the steps and finds what they need. Steps of finite length change frequency and decay of a vibration: `mass` corrects
    !> the frequencies of the train in contact, `damper` the decay of each element vibrating alone.
    subroutine prepare(self, balance)
       class(linear_flow_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
+      real(dp), allocatable :: mean(:, :)
       real(dp) :: fastest, period, decay, omega
       integer :: i, n, samples
 
       associate (system => balance%system, e => balance%system%elements, u => balance%unknowns)
          self%elements = e
+         self%coordinates = system%coordinates
          self%element = system%cut%element
+         self%loop = system%network%loop
+         if (size(system%mean%closing) > 0) call mean_equations(system, mean, self%inverse)
          period = 2*pi*balance%eta/balance%frequency_ratio
          fastest = 0
          do i = 1, u
@@ -293,8 +293,9 @@ contains
                       self%y(segments, self%steps, u), self%stiffness(segments, self%steps, u), self%row(segments, self%steps, u))
          end if
          if (.not. allocated(self%matrix)) then
-            allocate (self%spring(e), self%damper(e), self%matrix(2*e + 1, 2*e + 1), self%pivot(2*e + 1))
-            allocate (self%map(segments, 2*e + 1, 2*e), self%column_added(segments, 2*e + 1))
+            allocate (self%spring(e), self%damper(e), self%pivot(2*self%coordinates + 1))
+            allocate (self%matrix(2*self%coordinates + 1, 2*self%coordinates + 1))
+            allocate (self%map(segments, 2*e + 1, 2*e), self%column_added(segments, 2*e + 1), self%column_offset(u))
          end if
          self%h = period/samples
          self%mass = mass_of_steps(system, self%h)
@@ -314,38 +315,9 @@ contains
       end associate
    end subroutine prepare
 
-   !> Velocity that forces take in a step: h W for infinitely small steps, and such that the modes of the train in contact keep
-   !> their frequencies: 2 - 2 cos(h omega) in place of (h omega)**2, by its power series.
-   pure function mass_of_steps(system, h) result(mass)
-      type(system_type), intent(in) :: system
-      real(dp), intent(in) :: h
-      real(dp), dimension(system%elements, system%elements) :: mass, w, stiff, drag, term
-      integer, parameter :: terms = 12
-      integer :: j, k, n
-
-      w = 0
-      do n = 1, system%elements
-         w(n, n) = system%own(n)
-         do k = system%first(n), system%first(n + 1) - 1
-            w(n, system%neighbour(k)) = w(n, system%neighbour(k)) + system%coupling(k)
-         end do
-      end do
-      do n = 1, system%elements
-         stiff(n, :) = h**2*system%spring(n)*w(n, :)
-         drag(:, n) = h/2*w(:, n)*system%damping(n)
-      end do
-      term = h*w
-      mass = term
-      do j = 0, terms
-         term = -matmul(term, stiff)/((2*j + 3)*(2*j + 4))
-         mass = mass + term
-      end do
-      ! Damping acts by the velocity half a step before.
-      mass = mass - matmul(drag, mass - matmul(drag, mass)/2)
-   end function mass_of_steps
-
-   !> Force on the unknown meshes by the waveform of coefficients without their means, less the means.
-   subroutine find_force(self, balance, x, force, added)
+   !> Force on the unknown meshes by the waveform of coefficients with other means, less the mean forces that belong to them: both
+   !> satisfy the equations of the mean.
+   subroutine find_force(self, balance, x, force, added, means)
       class(linear_flow_type), intent(inout) :: self
       type(balance_type), intent(in) :: balance
       real(dp), intent(in) :: x(:, :)
@@ -353,15 +325,23 @@ contains
       real(dp), intent(inout) :: force(:, :, :)
       !> What it adds to the end state of each segment and to the entry in the border row, (segment, 2*elements + 1).
       real(dp), intent(out) :: added(:, :)
-      real(dp) :: u(size(x, 1))
+      !> The means, (unknown).
+      real(dp), intent(out) :: means(:)
+      real(dp) :: u(size(x, 1)), mean_force(size(means))
       integer :: i
 
+      means = 0
+      mean_force = x(1, :)
+      if (allocated(self%inverse)) then
+         means = matmul(self%inverse, x(1, :))
+         mean_force = means
+      end if
       added = 0
       do i = 1, size(x, 2)
          u = x(:, i)
-         u(1) = 0
+         u(1) = means(i)
          call sample(u, balance%harmonic, self%transform)
-         call self%press(i, x(1, i), force(:, :, i), added)
+         call self%press(i, mean_force(i), force(:, :, i), added)
       end do
    end subroutine find_force
 

@@ -22,6 +22,11 @@ module geartrain_balance_mesh_forces
    !> Likewise where teeth begin to part in a long period: its samples, or its steps in time, cost more than elimination.
    integer, parameter :: most_direct_parting = 600
 
+   !> Unknown meshes and rows of a matrix from which on it is large.
+   integer, parameter :: least_dense = 4, least_dense_rows = 600
+   !> Most elements of the linearised train in time: a step costs the square of their number, and flow_steps.c has room for so many.
+   integer, parameter :: most_flow_elements = 24
+
    !> The contacts are those at the last `find_forces`.
    type, extends(motion_contacts_type) :: mesh_forces_type
       !> Carried harmonics of Lambda/eta, ascending; coefficients of a mesh, 1 + 2*size(harmonic).
@@ -31,6 +36,8 @@ module geartrain_balance_mesh_forces
       !> that the caller chose.
       integer :: highest = 0
       logical :: chosen = .false.
+      !> Equal branches move equally on the branch that is followed: their elimination is that of one of them. Set by the caller.
+      logical :: equal = .false.
       !> Samples a period by which the coefficients are found; 0: the coefficients are exact.
       integer :: samples = 0
       !> phi [1], (block, unknown), and d phi/du [1], (1 + 2*explicit, 1 + 2*explicit, unknown), of the mean and the lowest
@@ -52,6 +59,7 @@ module geartrain_balance_mesh_forces
       procedure :: setup
       procedure :: find_forces
       procedure :: is_direct
+      procedure :: suits_flow
       procedure :: parts
       procedure :: make_explicit
       procedure :: tangent_product
@@ -160,6 +168,26 @@ contains
 
       is_direct = self%explicit == size(self%harmonic)
    end function is_direct
+
+   !> Whether the linearised train in time (linear_flow.f90) may take the place of elimination, which knows no loss of contact in a
+   !> large set of harmonics, and which would be that of one large matrix where each mesh is coupled with each.
+   pure logical function suits_flow(self)
+      class(mesh_forces_type), intent(in) :: self
+
+      suits_flow = self%chosen
+      if (.not. (self%chosen .or. self%equal)) suits_flow = self%system%cut%graph%entries == self%unknowns**2 &
+         .and. self%unknowns >= least_dense .and. self%unknowns*self%block > least_dense_rows
+      suits_flow = suits_flow .and. .not. self%is_direct() .and. suits(self%system)
+   end function suits_flow
+
+   !> Whether the linearised train in time is written for a train: no damping to ground, no damping that changes with the contact,
+   !> few elements.
+   pure logical function suits(system)
+      type(system_type), intent(in) :: system
+
+      suits = system%elements <= most_flow_elements .and. system%displacements == system%coordinates .and. &
+              .not. any(system%law%jumps)
+   end function suits
 
    !> Whether a mesh leaves a region of its law at the last `find_forces`.
    pure logical function parts(self)

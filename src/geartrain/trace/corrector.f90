@@ -105,9 +105,11 @@ contains
       if (allocated(self%turn%orbit)) deallocate (self%turn%orbit)
       if (.not. allocated(self%sets)) return
       if (size(self%sets) > 0) call self%fixed%find(self%balance%system, self%sets, solution%u, solution%tangent)
+      self%balance%equal = .not. self%fixed%is_whole()
       if (.not. allocated(self%symmetries) .or. .not. self%fixed%is_whole()) return
       if (self%balance%waves() == 1 .and. self%balance%eta == 1) call self%turn%find( &
          self%balance%system, self%symmetries, self%balance%mesh, self%balance%harmonic, solution%u, solution%tangent)
+      self%balance%equal = allocated(self%turn%orbit)
    end subroutine keep_equal
 
    !> Solves at constant Lambda.
