@@ -21,8 +21,9 @@ module geartrain_balance_bordered_system
    !> Least residual of GMRES relative to the right-hand side; iterations after which more harmonics are made explicit.
    real(dp), parameter :: tolerance = 1e-10_dp
    integer, parameter :: most_iterations = 40, most_iterations_in_time = 100, most_iterations_in_contact = 200
-   !> Least residual with the linearised train in time as preconditioner: a tangent need not be more exact.
-   real(dp), parameter :: tolerance_in_time = 1e-3_dp
+   !> Least residual with the linearised train in time as preconditioner: of a chosen set of harmonics, whose solution begins from
+   !> the former tangent, and of others.
+   real(dp), parameter :: tolerance_of_set = 1e-3_dp, tolerance_in_time = 1e-6_dp
 
    type :: bordered_system_type
       !> Border column and row, (block, unknown), and their corner: the caller sets row and corner between `linearize` and
@@ -45,6 +46,8 @@ module geartrain_balance_bordered_system
       !> The linearised train in time, which takes the place of `lowest` and `factors` for sets of many harmonics.
       type(linear_flow_type), private :: flow
       logical, private :: flows = .false., suits_flow = .false.
+      !> The balance carries a chosen set of harmonics.
+      logical, private :: is_set = .false.
       !> The period is long, and solutions are as exact as with the linearised train in time.
       logical, private :: has_long_period = .false.
       !> Number of explicit harmonics that the factors are of.
@@ -86,6 +89,7 @@ contains
       if (allocated(self%column)) deallocate (self%column, self%row)
       allocate (self%column(balance%block, balance%unknowns), self%row(balance%block, balance%unknowns))
       if (allocated(self%basis)) deallocate (self%basis, self%basis_y, self%solved, self%solved_y)
+      self%is_set = balance%chosen
       self%suits_flow = balance%suits_flow()
       self%has_long_period = self%suits_flow .and. balance%has_long_period()
       self%most = merge(most_iterations_in_time, most_iterations, self%suits_flow)
@@ -272,7 +276,8 @@ contains
    pure real(dp) function least_accuracy(self)
       class(bordered_system_type), intent(in) :: self
 
-      least_accuracy = merge(tolerance_in_time, tolerance, self%flows .or. self%has_long_period)
+      least_accuracy = tolerance
+      if (self%flows .or. self%has_long_period) least_accuracy = merge(tolerance_of_set, tolerance_in_time, self%is_set)
    end function least_accuracy
 
    !> Factors for the number of explicit harmonics that the balance has now, without the linearised train in time. Where that suits
