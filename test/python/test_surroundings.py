@@ -236,7 +236,7 @@ def test_a_library_that_cannot_tell_nan_knows_it(flags, safe, tmp_path):
 
 @pytest.mark.parametrize(("asked", "kernels"), [({}, None), ({"OPENBLAS_CORETYPE": "Prescott"}, "Prescott")])
 def test_openblas_takes_the_kernels_that_the_processor_can_take(asked, kernels):
-    """Of a model that it does not know, too, which it takes for one of 2004; but what the user asks for stays."""
+    """OpenBLAS takes a model that it does not know for one of 2004. The choice of the user stays."""
     code = """
 import ctypes
 import geartrain

@@ -375,7 +375,7 @@ class InTime(Analysable):
         transient, periods : int, default 500 and 4000
             Periods of the fundamental before the average, and those averaged over; where the average drifts, the last part of them
             whose halves agree. Where the kind is ``'undecided'`` more of them decide. A chaotic transient that lasts longer than
-            both is taken for the attractor. The exponents of a periodic motion are not averages, but those of its multipliers.
+            both is taken for the attractor. The multipliers of a periodic motion give its exponents, without an average.
         long_period : bool
             Computed even where a period has more than 500 cycles of a mesh, as with hunting teeth.
 

@@ -76,7 +76,7 @@ class Branch(Curves):
         Mean, cos 1, sin 1, cos 2, ... of the frequency Lambda/subharmonic.
     error_estimate : ndarray, (points,)
         Relative error of the waveform as estimated, against the motion at the same Lambda or, where the branch turns before it,
-        that of its fold. The largest force of a mesh that moves little may be 20 times as far off: the report states its error.
+        that of its fold. The largest force of a mesh that moves little may be off by 20 times as much: the report states its error.
     reading_error_estimate : ndarray, (points,), or None
         Error, as estimated, of the shaft torque, bearing force or displacement of a mesh without backlash where it is largest, by
         harmonics that are not carried, over its alternating part or, of a small one, over a tenth of the largest of its kind.

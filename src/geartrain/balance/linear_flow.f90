@@ -7,7 +7,7 @@
 !> what the carried harmonics and the steps differ from that. Harmonics up to the natural frequencies of the meshes are coupled
 !> strongly where teeth separate; eliminated together they would cost the cube of their number, here they cost their number.
 !>
-!> All elements take the steps, also those that close loops: they stay in step with the coordinates that they begin with.
+!> All elements take the steps, also elements that close loops: they begin as the coordinates demand and stay so.
 module geartrain_balance_linear_flow
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_fixed_space, only: mean_equations

@@ -36,7 +36,7 @@ module geartrain_balance_mesh_forces
       !> that the caller chose.
       integer :: highest = 0
       logical :: chosen = .false.
-      !> Equal branches move equally on the branch that is followed: their elimination is that of one of them. Set by the caller.
+      !> Equal branches move equally on the branch that is followed: one of them is eliminated for all. Set by the caller.
       logical :: equal = .false.
       !> Samples a period by which the coefficients are found; 0: the coefficients are exact.
       integer :: samples = 0
@@ -169,8 +169,8 @@ contains
       is_direct = self%explicit == size(self%harmonic)
    end function is_direct
 
-   !> Whether the linearised train in time (linear_flow.f90) may take the place of elimination, which knows no loss of contact in a
-   !> large set of harmonics, and which would be that of one large matrix where each mesh is coupled with each.
+   !> Whether the linearised train in time (linear_flow.f90) replaces elimination as preconditioner: for chosen sets of harmonics,
+   !> and where elimination would factor one large matrix because each mesh is coupled with each.
    pure logical function suits_flow(self)
       class(mesh_forces_type), intent(in) :: self
 

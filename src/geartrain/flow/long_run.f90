@@ -109,8 +109,8 @@ contains
 
    end subroutine find_long_run
 
-   !> The Lyapunov exponents of an orbit are the rates of its multipliers, which take the place of averages, but for those that are
-   !> too small beside the largest.
+   !> The multipliers of an orbit give its Lyapunov exponents and replace the averages. Multipliers that are small beside the
+   !> largest are rounding: their averages stay.
    subroutine look_at_orbit(system, frequency_ratio, period, state, exponents, errors, repels)
       type(system_type), target, intent(in) :: system
       !> Lambda [1]; a state near the orbit at phase 0 [1], (state).
