@@ -192,9 +192,8 @@ contains
             end do
          end associate
       end do
-      if (.not. (self%chosen .or. self%is_direct() .or. self%suits_flow())) then
-         k = strongly_coupled(self)
-         if (k > self%explicit) call self%make_explicit(k)
+      if (self%least_explicit < size(self%harmonic)) then
+         if (.not. (self%chosen .or. self%suits_flow())) call self%adjust_explicit(strongly_coupled(self))
       end if
    end subroutine evaluate_at
 
@@ -206,7 +205,7 @@ contains
       integer :: i
 
       associate (graph => self%system%cut%graph)
-         do number = size(self%harmonic), self%explicit + 1, -1
+         do number = size(self%harmonic), self%least_explicit + 1, -1
             associate (h => self%receptance(number)%h)
                do i = 1, self%unknowns
                   moved(i) = sum(abs(h(graph%entry(graph%row(i):graph%row(i + 1) - 1))))
@@ -215,7 +214,7 @@ contains
             if (any(moved > strong)) return
          end do
       end associate
-      number = self%explicit
+      number = self%least_explicit
    end function strongly_coupled
 
    !> Left sides of the mean equations: the mean forces themselves unless unknown meshes close loops (geartrain_network_mean).

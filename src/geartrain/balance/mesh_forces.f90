@@ -44,6 +44,8 @@ module geartrain_balance_mesh_forces
       !> `explicit` carried harmonics.
       real(dp), allocatable :: force(:, :), tangent(:, :, :)
       integer :: explicit = 0
+      !> Least number of explicit harmonics, whatever the frequency.
+      integer :: least_explicit = 0
       !> The force of each harmonic depends on that harmonic alone, (unknown): the element keeps to a region of its law in which
       !> its stiffness is constant.
       logical, allocatable :: uncoupled(:)
@@ -62,6 +64,7 @@ module geartrain_balance_mesh_forces
       procedure :: suits_flow
       procedure :: parts
       procedure :: make_explicit
+      procedure :: adjust_explicit
       procedure :: tangent_product
       procedure :: damping_of
       procedure :: mean_stiffness
@@ -118,6 +121,7 @@ contains
       else
          if (self%explicit > most_direct) self%explicit = explicit_of_many
       end if
+      self%least_explicit = self%explicit
       ! No alias of a product with spectra up to twice the highest harmonic reaches a carried harmonic.
       if (.not. self%is_direct()) call self%products%plan(transform_length(4*self%harmonic(size(self%harmonic)) + 1))
       allocate (self%wave(merge(0, self%products%samples, self%is_direct()), self%unknowns))
@@ -213,21 +217,32 @@ contains
               .and. .not. self%contact(i)%law%jumps
    end function stays
 
-   !> Makes `tangent` hold the derivatives at more harmonics, at the last `find_forces`.
+   !> Makes `tangent` hold the derivatives at no fewer harmonics than these from now on.
    subroutine make_explicit(self, harmonics)
       class(mesh_forces_type), intent(inout) :: self
       !> Number of explicit harmonics, the lowest carried ones; all where fewer are carried.
       integer, intent(in) :: harmonics
+
+      self%least_explicit = min(harmonics, size(self%harmonic))
+      call self%adjust_explicit(self%least_explicit)
+   end subroutine make_explicit
+
+   !> Makes `tangent` hold the derivatives at so many harmonics, at the last `find_forces`.
+   subroutine adjust_explicit(self, harmonics)
+      class(mesh_forces_type), intent(inout) :: self
+      !> Number of explicit harmonics, the lowest carried ones; more where `make_explicit` asked for more.
+      integer, intent(in) :: harmonics
       integer :: i
 
-      self%explicit = min(harmonics, size(self%harmonic))
+      if (max(harmonics, self%least_explicit) == self%explicit) return
+      self%explicit = max(harmonics, self%least_explicit)
       deallocate (self%tangent)
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
       do i = 1, self%unknowns
          call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
          call self%damp_tangent(i)
       end do
-   end subroutine make_explicit
+   end subroutine adjust_explicit
 
    !> phi of unknown mesh i by the spectra of its contact, and its derivatives (geartrain_mesh_law_spectra).
    subroutine find_force(self, i, u)
