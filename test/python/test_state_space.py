@@ -36,6 +36,24 @@ def test_against_matrices_by_hand():
         assert np.allclose(system.response(frequency), expected, rtol=1e-8, atol=1e-9 * abs(expected).max())
 
 
+def test_springs_to_ground():
+    """A pair whose gears are held by springs, against its two equations of motion."""
+    train = gt.Train(bodies=[gt.Body(name="pinion", inertia=0.1, torque=10.0, damping_to_ground=2.0),
+                             gt.Body(name="wheel", inertia=0.3, stiffness_to_ground=1e5, damping_to_ground=3.0)],
+                     meshes=[gt.Mesh(between=("pinion", "wheel"), driving_radius=0.05, driven_radius=0.1, stiffness=1e8,
+                                     damping=2e3)], characteristic_length=1e-6, characteristic_frequency=1000.0)
+    system = train.state_space(inputs=["pinion"], outputs=["mesh 1", "ground 2", "wheel"])
+    assert system.units == ("N", "N m", "rad/s")
+    row = np.array([0.05, -0.1])
+    for frequency in (3.0, 100.0, *train.natural_frequencies(unit="Hz")):
+        s = 2j * np.pi * frequency
+        spring = 1e8 + 2e3 * s
+        theta = np.linalg.solve(np.diag([0.1 * s**2 + 2.0 * s, 0.3 * s**2 + 3.0 * s + 1e5]) + spring * np.outer(row, row), [1, 0])
+        expected = np.array([spring * (row @ theta), 1e5 * theta[1], s * theta[1]])
+        # Rounding of the modes times the resonance ratio.
+        assert np.allclose(system.response(frequency)[:, 0], expected, rtol=1e-9)
+
+
 @pytest.mark.parametrize("name", ["reducer", "planetary", "bearings", "clutch"])
 def test_eigenvalues_are_those_of_the_modes(name):
     train = case(name)

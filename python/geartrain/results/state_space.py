@@ -35,7 +35,8 @@ class StateSpace:
     inputs : tuple of str
         Bodies whose torques [N m] are the inputs, positive in the sense in which the body turns.
     outputs : tuple of str
-        Elements, ``'shaft 1'`` or ``'mesh 1'``, with torque or force; bodies with their speed, positive as they turn.
+        Elements, ``'shaft 1'``, ``'mesh 1'`` or ``'ground 2'`` (the spring to ground of the second body), with torque or force;
+        bodies with their speed, positive as they turn.
     units : tuple of str
         Of the outputs: N m, N or rad/s.
     """
@@ -67,7 +68,7 @@ def state_space_of(train: Description, modes: Modes, inputs: Sequence[str] | Non
     motions = np.zeros((0, len(bodies))) if modes.rigid_rotation is None else modes.rigid_rotation
     asked, told = _named("inputs", inputs, bodies, bodies), _named("outputs", outputs, modes.element, (*modes.element, *bodies))
     stiffness = np.array([_stiffness(train, modes, place) for place in range(len(modes.element))])
-    damping = np.array([_of_element(numbers, name, "damping") for name in modes.element])
+    damping = np.array([0.0 if name.startswith("ground") else _of_element(numbers, name, "damping") for name in modes.element])
     elastic, rigid = len(modes.natural_frequency), len(motions)
 
     # Twist or stretch of the elements, and rotation of the bodies, by the coordinates of the motions.
@@ -93,7 +94,7 @@ def state_space_of(train: Description, modes: Modes, inputs: Sequence[str] | Non
         if name in modes.element:
             place = modes.element.index(name)
             c[row] = [*(stiffness[place] * stretch[place, :elastic]), *(damping[place] * stretch[place])]
-            units.append("N m" if name.startswith(("shaft", "coupling")) else "N")
+            units.append("N m" if name.startswith(("shaft", "coupling", "ground")) else "N")
         else:
             c[row, elastic:] = rotation[bodies.index(name)]
             units.append("rad/s")
@@ -163,6 +164,9 @@ def _stiffness(train: Description, modes: Modes, place: int) -> float:
     """Stiffness of an element in contact under the mean load: that of its stage, where it has stages."""
     name = modes.element[place]
     kind, number = name.split()[0], int(name.split()[1]) - 1
+    if kind == "ground":
+        assert modes.body is not None
+        return next(body.stiffness_to_ground or 0.0 for body in train.bodies or () if body.name == modes.body[number])
     part = train.couplings[number] if kind == "coupling" else train.meshes[number] if kind == "mesh" else None
     if kind == "bearing" and name.split()[2] not in ("x", "y"):
         raise InputError(f"state_space: {name}: a clearance with more than four flats is no linear element")
