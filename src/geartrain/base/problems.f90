@@ -5,9 +5,12 @@ module geartrain_base_problems
    use geartrain_base_numbers, only: integer_text
    use geartrain_base_plain_text, only: escaped
    use geartrain_base_sorting, only: ascending
-      implicit none (type, external)
+   implicit none (type, external)
    private
-   public :: problems_type, group_label
+   public :: problems_type, group_label, parts_of_train
+
+   !> Groups of which a case may have several: what the train is made of.
+   character(*), parameter :: parts_of_train(*) = [character(9) :: 'body', 'planetary', 'shaft', 'mesh', 'coupling', 'bearing']
 
    type :: problem_type
       !> Group, number of the group among the groups of its name, and variable; blank and 0: none.
@@ -100,10 +103,9 @@ contains
    !> Whether there is a problem with the train already: what an analysis needs of it may be anything.
    pure logical function of_train(self)
       class(problems_type), intent(in) :: self
+      integer :: i
 
-      of_train = self%in_group('train') .or. self%in_group('body') .or. self%in_group('shaft') .or. self%in_group('mesh') .or. &
-                 self%in_group('coupling') .or. self%in_group('bearing') .or. &
-                 self%in_group('planetary')
+      of_train = self%in_group('train') .or. any([(self%in_group(trim(parts_of_train(i))), i=1, size(parts_of_train))])
    end function of_train
 
    !> Makes the error that tells all problems, one a line, in the order of the file; no error where there is no problem.
@@ -150,8 +152,7 @@ contains
    pure logical function is_numbered(group)
       character(*), intent(in) :: group
 
-      is_numbered = group == 'body' .or. group == 'shaft' .or. group == 'mesh' .or. group == 'coupling' .or. &
-                    group == 'bearing' .or. group == 'planetary'
+      is_numbered = any(group == parts_of_train)
    end function is_numbered
 
    !> Label of a group in messages: '&mesh 2', or '&train' where a case has only one group of this name.

@@ -1,7 +1,7 @@
 !> Checks the order of the groups of a case file.
 module geartrain_input_order
    use geartrain_base_numbers, only: integer_text
-   use geartrain_base_problems, only: group_label, problems_type
+   use geartrain_base_problems, only: group_label, parts_of_train, problems_type
    use geartrain_input_scanner, only: group_type
    use geartrain_input_table, only: unknown_group
    use geartrain_input_variables, only: known => groups
@@ -38,21 +38,18 @@ contains
                cycle
             end if
             if (first(j) == 0) first(j) = group%line
-            select case (group%name)
-            case ('body', 'planetary', 'shaft', 'mesh', 'coupling', 'bearing')
+            if (any(group%name == parts_of_train)) then
                call check_turn(group, chain, last, after, problems)
                last = group%name
-            case default
-               if (group%index > 1) then
-                  call problems%add('stands twice; the first is on line '//integer_text(first(j)), group%name, 1, &
-                                    line=group%line, column=group%column)
-               else if (group%name == 'train') then
-                  if (last /= '' .or. after /= '') call problems%add('must be the first group', group%name, 1, &
-                                                                    line=group%line, column=group%column)
-               else
-                  after = group%name
-               end if
-            end select
+            else if (group%index > 1) then
+               call problems%add('stands twice; the first is on line '//integer_text(first(j)), group%name, 1, &
+                                 line=group%line, column=group%column)
+            else if (group%name == 'train') then
+               if (last /= '' .or. after /= '') call problems%add('must be the first group', group%name, 1, &
+                                                                 line=group%line, column=group%column)
+            else
+               after = group%name
+            end if
          end associate
       end do
       if (first(1) == 0) call problems%add('there is no &train group: it comes first in the file')

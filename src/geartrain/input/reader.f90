@@ -4,7 +4,7 @@ module geartrain_input_reader
    use geartrain_analyses_list, only: case_type, find_analysis, number_of, results_type
    use geartrain_base_error, only: error_type, fatal
    use geartrain_base_numbers, only: integer_text
-   use geartrain_base_problems, only: problems_type
+   use geartrain_base_problems, only: parts_of_train, problems_type
    use geartrain_base_regular_file, only: is_regular_file
    use geartrain_drawing_planetary_expansion, only: expand_sets, expansion_type
    use geartrain_input_assigner, only: assigner_type
@@ -136,8 +136,7 @@ contains
       case%train%title = ''
       do i = 1, size(reader%groups)
          associate (n => reader%groups(i)%index)
-            if (n > 1 .and. .not. any(reader%groups(i)%name == [character(9) :: 'body', 'shaft', 'mesh', 'coupling', &
-                                                                                 'bearing', 'planetary'])) cycle
+            if (n > 1 .and. .not. any(reader%groups(i)%name == parts_of_train)) cycle
             select case (reader%groups(i)%name)
             case ('train')
                call visit_train(case%train, reader)
