@@ -6,6 +6,8 @@ module unit_long_period
    use geartrain_balance_motion, only: motion_type
    use geartrain_balance_needed_harmonics, only: needed_harmonics
    use geartrain_flow_start_state, only: states_of
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: evaluate, extremes, fine_samples, own_resolution
    use geartrain_balance_bordered_system, only: bordered_system_type
    use geartrain_base_words, only: words_type
    use geartrain_balance_products, only: sparse_product, toeplitz
@@ -32,7 +34,57 @@ contains
       if (tests%runs('nearby_orders')) call nearby_orders(tests)
       if (tests%runs('out_of_reach')) call out_of_reach(tests)
       if (tests%runs('states_of_sets')) call states_of_sets(tests)
+      if (tests%runs('extremes_of_sets')) call extremes_of_sets(tests)
    end subroutine long_period_tests
+
+   !> Extremes of waveforms with a maximum in each of hundreds of mesh cycles, all of them nearly as high, from few samples.
+   subroutine extremes_of_sets(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: harmonic(*) = [22, 308, 352, 503, 811, 833, 1006, 1314, 1622, 2433]
+      integer, parameter :: dense = 48*2433
+      real(dp), parameter :: pi = acos(-1.0_dp)
+      type(transform_type) :: transform
+      real(dp) :: u(1 + 2*size(harmonic)), smallest, largest, ends(2), off, p(3), t
+      real(dp) :: values(0:dense - 1)
+      integer :: i, k, q
+
+      call seed_randomly()
+      off = 0
+      do i = 1, tests%times(40)
+         call random_number(u)
+         u = u - 0.5_dp
+         ! The mesh of 811 cycles dominates; its harmonics fall, the others are small.
+         do k = 1, size(harmonic)
+            if (mod(harmonic(k), 811) == 0) u(2*k:2*k + 1) = u(2*k:2*k + 1)/(harmonic(k)/811)**4
+            if (mod(harmonic(k), 811) /= 0) u(2*k:2*k + 1) = u(2*k:2*k + 1)*10.0_dp**(-mod(i, 5))*(503.0_dp/harmonic(k))**3
+         end do
+         call transform%plan(fine_samples(own_resolution(u, harmonic)))
+         call extremes(u, harmonic, transform, smallest, largest)
+         do q = 0, dense - 1
+            call evaluate(u, harmonic, 2*pi*q/dense, values(q), p(1), p(2))
+         end do
+         ends = [huge(t), -huge(t)]
+         do q = 0, dense - 1
+            p = values(modulo(q + [-1, 0, 1], dense))
+            t = (p(3) - p(1))**2/(8*(2*p(2) - p(1) - p(3)))
+            if (p(2) >= max(p(1), p(3))) ends(2) = max(ends(2), p(2) + t)
+            if (p(2) <= min(p(1), p(3))) ends(1) = min(ends(1), p(2) + t)
+         end do
+         off = max(off, maxval(abs([smallest, largest] - ends))/(ends(2) - ends(1)))
+      end do
+      ! Vertices of parabolas through 48 samples a period of the highest harmonic, which has a sixteenth of the amplitude at most.
+      call tests%is_close(off, 0.0_dp, 1e-6_dp, 'extremes of sets of harmonics')
+
+   contains
+
+      subroutine seed_randomly()
+         integer :: n
+
+         call random_seed(size=n)
+         call random_seed(put=[(2433 + 811*k, k=1, n)])
+      end subroutine seed_randomly
+
+   end subroutine extremes_of_sets
 
    !> The states of a motion have all its harmonics: a chosen set has some that few sums of tooth frequencies reach.
    subroutine states_of_sets(tests)

@@ -63,6 +63,14 @@ def test_teeth_that_separate(damping):
     assert own.stable.all() and not own.undecided.any() and whole.stable.all()
 
 
+@pytest.mark.parametrize("variation", [0.1, 0.3])
+def test_teeth_in_contact(variation):
+    """Two parts of the period agree to 1e-4, as a rule, and need no third."""
+    own, whole = by_both(hunting_train(variation, 0.05, half_backlash=0.0), 1.6, 2.1, 12)
+    np.testing.assert_allclose(own.growth_rate, whole.growth_rate, rtol=1e-2)
+    assert own.stable.all() and not own.undecided.any()
+
+
 @pytest.mark.full
 @pytest.mark.parametrize(("variation", "start", "stop"), [(0.3, 1.6, 2.1), pytest.param(0.5, 1.0, 1.3, marks=pytest.mark.nightly)])
 def test_slow_beats(variation, start, stop):

@@ -23,11 +23,18 @@ module geartrain_balance_mesh_load
       real(dp) :: separation = 0, back_contact = 0
    end type mesh_load_type
 
+   !> kappa of a mesh at the samples of a period [1], (sample, region).
+   type :: stiffness_samples_type
+      real(dp), allocatable :: kappa(:, :)
+   end type stiffness_samples_type
+
    !> Finds the largest mesh force of Fourier coefficients, with work space and samples of the stiffness that are made once.
    type :: force_reader_type
       integer, private :: eta = 0
-      !> kappa at the samples [1], (sample, region, mesh); mesh force over k b_c [1], (sample).
-      real(dp), allocatable, private :: kappa(:, :, :), force(:)
+      !> Of each mesh, as many as its waveform needed last, (mesh).
+      type(stiffness_samples_type), allocatable, private :: samples(:)
+      !> Mesh force over k b_c [1], (sample).
+      real(dp), allocatable, private :: force(:)
    contains
       procedure :: setup
       procedure :: read => read_force
@@ -35,34 +42,39 @@ module geartrain_balance_mesh_load
 
 contains
 
-   !> Makes the work space; does nothing where eta and samples are equal to those of the last call.
-   subroutine setup(self, system, eta, transform)
+   !> Makes the work space for a mesh; does nothing where eta and samples are equal to those of the last call for this mesh.
+   subroutine setup(self, system, mesh, eta, transform)
       class(force_reader_type), intent(inout) :: self
       type(system_type), intent(in) :: system
+      !> Number of the mesh.
+      integer, intent(in) :: mesh
       !> Period of the motions [periods of the fundamental].
       integer, intent(in) :: eta
       !> Planned for as many samples as a period has; overwritten.
       type(transform_type), intent(inout) :: transform
       real(dp), allocatable :: u(:)
-      integer :: i, j, n, s
+      integer :: i, n, s
 
-      if (allocated(self%force)) then
-         if (self%eta == eta .and. size(self%force) == transform%samples) return
-         deallocate (self%kappa, self%force)
-      end if
+      if (allocated(self%samples) .and. self%eta /= eta) deallocate (self%samples)
+      if (.not. allocated(self%samples)) allocate (self%samples(system%meshes))
       self%eta = eta
-      allocate (self%force(transform%samples))
-      allocate (self%kappa(transform%samples, minval(system%law%lowest):maxval(system%law%highest), system%meshes))
-      do j = 1, system%meshes
-         associate (law => system%law(j))
-            do s = law%lowest, law%highest
-               n = size(law%harmonic)
-               u = [law%stiffness(s), (law%amplitude(i, s)%re, -law%amplitude(i, s)%im, i=1, n)]
-               call sample(u, eta*law%harmonic, transform)
-               self%kappa(:, s, j) = transform%sample
-            end do
-         end associate
-      end do
+      if (allocated(self%force)) then
+         if (size(self%force) /= transform%samples) deallocate (self%force)
+      end if
+      if (.not. allocated(self%force)) allocate (self%force(transform%samples))
+      associate (law => system%law(mesh), samples => self%samples(mesh))
+         if (allocated(samples%kappa)) then
+            if (size(samples%kappa, 1) == transform%samples) return
+            deallocate (samples%kappa)
+         end if
+         allocate (samples%kappa(transform%samples, law%lowest:law%highest))
+         do s = law%lowest, law%highest
+            n = size(law%harmonic)
+            u = [law%stiffness(s), (law%amplitude(i, s)%re, -law%amplitude(i, s)%im, i=1, n)]
+            call sample(u, eta*law%harmonic, transform)
+            samples%kappa(:, s) = transform%sample
+         end do
+      end associate
    end subroutine setup
 
    !> The harmonic whose `fine_samples` show the extremes of the displacement of a mesh and of its force: of hunting teeth much
@@ -155,7 +167,7 @@ contains
             above = huge(above)
             if (s > law%lowest) below = law%wall(s - 1)
             if (s < law%highest) above = law%wall(s)
-            force = force + merge(self%kappa(:, s, mesh)*(p - law%origin(s)), 0.0_dp, p > below .and. p <= above)
+            force = force + merge(self%samples(mesh)%kappa(:, s)*(p - law%origin(s)), 0.0_dp, p > below .and. p <= above)
             if (.not. allocated(law%offset)) cycle
             do q = 1, size(p)
                if (p(q) > below .and. p(q) <= above) force(q) = force(q) + law%offset_at(s, 2*pi*self%eta*(q - 1)/size(p))

@@ -5,7 +5,7 @@
 !> they stood, the matrix of the perturbations is nearly exp(B time) in the coordinates of Floquet: the logarithms of its
 !> eigenvalues over the time are the exponents, but for what the meshes lack of a whole number of cycles, over the time. The time is
 !> doubled until it has every beat of two harmonics of the excitation and the largest exponent has changed by little beside its
-!> distance from 0; at the whole period it is exact.
+!> distance from 0, twice or once by very little; at the whole period it is exact.
 module geartrain_floquet_growth
    use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
    use geartrain_base_kinds, only: dp, pi
@@ -27,6 +27,9 @@ module geartrain_floquet_growth
    real(dp), parameter :: almost_whole = 0.6_dp
    !> Distance of a rate from 0, over its error, above which its sign is decided [1].
    real(dp), parameter :: surely = 4
+   !> Change of the rate from the first part to the second, over the rate, below which no third is needed where the first has every
+   !> beat; error of the rate then, over the rate.
+   real(dp), parameter :: closely = 1e-4_dp, cautious = 0.01_dp
 
    type :: growth_type
       !> Real part of the largest Floquet exponent and its estimated error [1/dimensionless time]; NaN: interrupted.
@@ -86,6 +89,8 @@ contains
          monodromy%transposed = product
          rate = (log_largest(monodromy) + log_scale)/time
          if (cycles > first_cycles) change = [abs(rate - growth%rate), change(1)/2]
+         if (cycles == 2*first_cycles .and. .not. growth%time < beat .and. change(1) < closely*abs(rate)) &
+            change(2) = cautious*abs(rate)
          if (.not. time < period) change = 0
          growth = growth_type(rate=rate, error=maxval(change) + neutral/time, time=time)
          growth%sure = confirmed .and. abs(rate) > surely*growth%error .and. .not. time < min(beat, period)

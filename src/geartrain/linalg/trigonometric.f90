@@ -237,10 +237,11 @@ contains
          !> Error of the heights.
          real(dp), intent(in) :: slack
          real(dp), intent(inout) :: extreme
-         real(dp) :: height(turns), place(turns), doubt, highest, theta, p, slope, curvature, correction, spacing
+         real(dp) :: height(turns), place(turns), doubt, error, highest, theta, p, slope, curvature, correction, spacing
          integer :: first, i, k, n
 
          spacing = 2*pi/transform%samples
+         error = error_by_nine(u, harmonic, spacing)
          highest = -huge(highest)
          first = 0
          do k = 1, turns
@@ -255,7 +256,10 @@ contains
             k = merge(first, n, n == 0)
             if (k == 0) exit
             if (side*turn(k) < 0 .or. n == first) cycle
-            if (n > 0 .and. height(k) < side*extreme - slack) cycle
+            if (n > 0) then
+               if (height(k) < side*extreme - slack) cycle
+               if (height_by_nine(transform%sample, side, abs(turn(k)), place(k)) + error < side*extreme) cycle
+            end if
             theta = place(k)
             do i = 1, 6
                call evaluate(u, harmonic, theta, p, slope, curvature)
@@ -342,6 +346,46 @@ contains
          place = (q - 1 + t)*2*pi/n
       end associate
    end subroutine find_vertex
+
+   !> Height of the vertex of `find_vertex` by the polynomial through nine samples; huge where that has its vertex elsewhere.
+   pure real(dp) function height_by_nine(values, side, q, place) result(height)
+      real(dp), intent(in) :: values(:), place
+      integer, intent(in) :: side, q
+      !> Distance of places at which the polynomial is evaluated, in samples.
+      real(dp), parameter :: apart = 0.1_dp
+      !> Weights of the barycentric formula for equidistant samples.
+      real(dp), parameter :: weight(-4:4) = [1, -8, 28, -56, 70, -56, 28, -8, 1]
+      real(dp) :: f(-4:4), share(-4:4), t, at(-1:1), rise, bend
+      integer :: i, k
+
+      associate (n => size(values))
+         f = side*values([(modulo(q + i - 1, n) + 1, i=-4, 4)])
+         t = place*n/(2*pi) - (q - 1)
+      end associate
+      do i = -1, 1
+         share = [(t + apart*i - k, k=-4, 4)]
+         share = weight/sign(max(abs(share), 1e-9_dp), share)
+         at(i) = dot_product(share, f)/sum(share)
+      end do
+      rise = (at(1) - at(-1))/2
+      bend = 2*at(0) - at(1) - at(-1)
+      height = huge(height)
+      if (abs(rise) < bend/2) height = at(0) + rise**2/(2*bend)
+   end function height_by_nine
+
+   !> Error of `height_by_nine` at most, with the given distance of samples [rad]: of each harmonic by the remainder of the
+   !> interpolation half a sample off the middle one, and of the vertex.
+   pure real(dp) function error_by_nine(u, harmonic, spacing) result(error)
+      real(dp), intent(in) :: u(:), spacing
+      integer, intent(in) :: harmonic(:)
+      real(dp), parameter :: remainder = 5.4e-4_dp, vertex = 1e-6_dp
+      integer :: k
+
+      error = 0
+      do k = 1, size(harmonic)
+         error = error + hypot(u(2*k), u(2*k + 1))*(min(2.0_dp, remainder*(harmonic(k)*spacing)**9) + vertex)
+      end do
+   end function error_by_nine
 
    !> The paper's rms: square root of the sum of squared harmonic amplitudes, without the mean.
    pure real(dp) function rms(u)

@@ -142,9 +142,7 @@ contains
       end if
       call balance%full_coefficients(solution%u, coefficients)
       n = branch%points + 1
-      call self%transform%plan(fine_samples(resolution_of(balance, coefficients)))
       if (balance%varies) self%reader = fresh
-      call self%reader%setup(balance%system, balance%eta, self%transform)
       branch%frequency_ratio(n) = solution%frequency_ratio
       if (allocated(branch%half_backlash_at)) branch%half_backlash_at(:, n) = balance%system%half_backlash
       branch%coefficients(:, :, n) = 0
@@ -165,6 +163,8 @@ contains
       do j = 1, branch%meshes
          branch%rms(j, n) = rms(coefficients(:, j))
          branch%mean(j, n) = coefficients(1, j)
+         call self%transform%plan(fine_samples(resolution_of(balance, j, coefficients(:, j))))
+         call self%reader%setup(balance%system, j, balance%eta, self%transform)
          ! `extremes` leaves the samples of p in self%transform, which the reader of forces uses: other samples come after it.
          call extremes(coefficients(:, j), balance%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
          associate (law => balance%system%law(j), load => branch%mesh_load(j, n), place => findloc(balance%mesh, j, 1))
@@ -269,20 +269,21 @@ contains
       end associate
    end subroutine share_load
 
-   !> The harmonic whose `fine_samples` show the extremes of all meshes.
-   pure integer function resolution_of(balance, coefficients)
+   !> The harmonic whose `fine_samples` show the extremes of a mesh.
+   pure integer function resolution_of(balance, mesh, u)
       type(balance_type), intent(in) :: balance
-      real(dp), intent(in) :: coefficients(:, :)
-      real(dp) :: force(balance%system%meshes)
-      integer :: j
+      integer, intent(in) :: mesh
+      real(dp), intent(in) :: u(:)
+      real(dp) :: force
+      integer :: i
 
       resolution_of = balance%highest
       if (.not. balance%chosen) return
       ! A linear mesh has the force of its displacement.
-      force = norm2(coefficients(2:, :), 1)
-      force(balance%mesh) = norm2(balance%force(2:, :), 1)
-      resolution_of = maxval([(load_resolution(balance%system%law(j), balance%eta, balance%frequency_ratio, coefficients(:, j), &
-                                               balance%harmonic, force(j)), j=1, balance%system%meshes)])
+      force = norm2(u(2:))
+      i = findloc(balance%mesh, mesh, 1)
+      if (i > 0) force = norm2(balance%force(2:, i))
+      resolution_of = load_resolution(balance%system%law(mesh), balance%eta, balance%frequency_ratio, u, balance%harmonic, force)
    end function resolution_of
 
    !> Shrinks the arrays to the number of points.

@@ -8,7 +8,7 @@ module geartrain_trace_step_extremes
    use geartrain_linalg_bracket, only: between, shrink
    use geartrain_linalg_cubic, only: highest_share, value_on
    use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_trigonometric, only: evaluate, extremes, fine_samples, rms
+   use geartrain_linalg_trigonometric, only: evaluate, extremes, fine_samples, own_resolution, rms
    use geartrain_mesh_law_law, only: depth_below
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
    use geartrain_trace_step_geometry, only: arc_length, go_along
@@ -74,6 +74,7 @@ contains
          call transform%plan(fine_samples(corrector%balance%highest))
          do j = 1, system%meshes
             if (.not. self%gap(j) > 0) cycle
+            if (corrector%balance%chosen) call transform%plan(fine_samples(own_resolution(u(:, j), harmonic)))
             call extremes(u(:, j), harmonic, transform, extreme(1), extreme(2), at)
             do i = 1, 2
                call evaluate(rate(:, j), harmonic, at(i), slope(i), unused(1), unused(2))
