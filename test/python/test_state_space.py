@@ -146,3 +146,17 @@ def test_at_a_motion_in_contact():
     assert train.state_space(at=motion).A == pytest.approx(train.state_space().A, rel=1e-6, abs=1e-6)
     with pytest.raises(gt.InputError, match="at: must be a motion of this train"):
         pair().state_space(at=motion)
+
+
+def test_a_rack():
+    """A pinion on a rack: the bar slides, its mass in kg and its spring to ground in N/m, against two equations of motion."""
+    cosine = np.cos(np.radians(20))
+    train = gt.Train(bodies=[gt.Body(name="pinion", inertia=2e-4, torque=10.0),
+                             gt.Body(name="bar", inertia=3.0, stiffness_to_ground=1e6)],
+                     meshes=[gt.Mesh(between=("pinion", "bar"), driving_radius=0.02, driven_radius=cosine, stiffness=2e8,
+                                     damping=50.0)], characteristic_length=1e-6, characteristic_frequency=1000.0)
+    row = np.array([0.02, -cosine])
+    mass, stiffness = np.diag([2e-4, 3.0]), np.diag([0.0, 1e6]) + 2e8 * np.outer(row, row)
+    omega = np.sqrt(np.linalg.eigvals(np.linalg.solve(mass, stiffness)))
+    np.testing.assert_allclose(train.natural_frequencies(unit="Hz"), np.sort(omega) / (2 * np.pi), rtol=1e-10)
+    assert train.explain()["mesh 1"]["mean_force"] == pytest.approx(10.0 / 0.02, rel=1e-12)
