@@ -276,7 +276,8 @@ contains
          end if
       end if
       steep = count(branch%error_estimate(:branch%points) > self%settings%tolerance) - self%missed
-      if (steep > 0) branch%ended = branch%ended//'; '//text(steep)//' points where it is nearly vertical miss the tolerance'
+      if (steep == 1) branch%ended = branch%ended//'; one point where it is nearly vertical misses the tolerance'
+      if (steep > 1) branch%ended = branch%ended//'; '//text(steep)//' points where it is nearly vertical miss the tolerance'
       if (self%missed == 0) return
       if (self%missed >= branch%points) branch%complete = .false.
       branch%ended = branch%ended//'; '//text(min(self%missed, branch%points))//' of '//text(branch%points) &
