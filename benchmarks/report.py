@@ -184,10 +184,11 @@ def scale_section(found):
 
 The table has the time of a call from Python for a range of 0.01 at R = 6, from a motion that is known, with all that a call does
 before and after its points: chains of figure 3's gear pairs, with tooth separation at the first of them. Memory is the peak of the
-executable with its libraries.{missing}
+executable with its libraries.{missing} The motions of the long chains are unstable: all multipliers outside the unit circle are
+found.
 
 {table(("shafts", "a call, without multipliers", "with", "points", "memory"), shafts)}
-Trees and chains of equal pairs without separation:
+Trees and chains of equal pairs without separation are stable, which a bound shows without multipliers:
 
 {table(("meshes", "shape", "a call, without multipliers", "with", "points"), trees)}
 Figure 3's train with more harmonics:
