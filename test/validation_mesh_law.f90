@@ -174,7 +174,7 @@ contains
       type(balance_type) :: balance
       type(bordered_type) :: matrix
       integer, parameter :: harmonics(*) = [5, 20]
-      real(dp), parameter :: frequency_ratio = 0.83_dp, h = 1e-6_dp
+      real(dp), parameter :: frequency_ratio = 0.83_dp, slow = 0.05_dp, h = 1e-6_dp
       real(dp), allocatable :: u(:, :), x(:, :), change(:, :), difference(:, :)
       integer :: i, k, n
 
@@ -190,7 +190,11 @@ contains
          difference = balance%residual
          call balance%evaluate(u - h*x, frequency_ratio)
          difference = (difference - balance%residual)/(2*h)
+         ! Products are those of this motion also after another one at a frequency at which all harmonics are eliminated.
+         call balance%evaluate(2*u, slow)
+         call tests%is_true(balance%is_direct(), 'low frequencies couple all harmonics strongly')
          call balance%evaluate(u, frequency_ratio)
+         call tests%is_true(balance%is_direct() .eqv. harmonics(i) < 16, 'as many harmonics are eliminated as before')
          allocate (change, mold=x)
          if (balance%is_direct()) then
             call balance%jacobian(matrix)

@@ -158,9 +158,15 @@ contains
       !> Coefficients of the unknown meshes over b_c [1], (block, unknown): mean, cos, sin, ...; Lambda [1].
       real(dp), intent(in) :: u(:, :), frequency_ratio
       complex(dp) :: s, ds, force, d_force
-      integer :: i, k, r, n
+      integer :: i, k, n
 
       call put_speed(self%system, frequency_ratio)
+      do k = 1, size(self%harmonic)
+         call find_receptance(self%system, frequency_ratio, self%harmonic(k), self%eta, self%receptance(k))
+      end do
+      if (self%least_explicit < size(self%harmonic) .and. .not. self%chosen) then
+         if (.not. self%suits_flow()) call self%adjust_explicit(strongly_coupled(self))
+      end if
       call self%find_forces(u, frequency_ratio)
       call self%mean_product(self%force(1, :), u(1, :), self%residual(1, :))
       self%residual(1, :) = self%residual(1, :) - self%system%mean%static_force
@@ -171,8 +177,6 @@ contains
          end associate
       end if
       do k = 1, size(self%harmonic)
-         r = self%harmonic(k)
-         call find_receptance(self%system, frequency_ratio, r, self%eta, self%receptance(k))
          associate (h => self%receptance(k)%h, dh => self%receptance(k)%dh, graph => self%system%cut%graph)
             do i = 1, self%unknowns
                s = cmplx(u(2*k, i), -u(2*k + 1, i), dp) - self%receptance(k)%a(i)
@@ -192,9 +196,6 @@ contains
             end do
          end associate
       end do
-      if (self%least_explicit < size(self%harmonic)) then
-         if (.not. (self%chosen .or. self%suits_flow())) call self%adjust_explicit(strongly_coupled(self))
-      end if
    end subroutine evaluate_at
 
    !> Number of the lowest harmonics, up to the last one at which the motion of meshes makes forces that move them by half as much.

@@ -135,8 +135,10 @@ contains
       !> Coefficients of the unknown meshes over b_c [1], (block, unknown): mean, cos, sin, ...; Lambda [1].
       real(dp), intent(in) :: u(:, :), frequency_ratio
       integer :: i
+      logical :: was_direct
 
       self%frequency_ratio = frequency_ratio
+      was_direct = self%is_direct()
       do i = 1, self%unknowns
          call self%find_force(i, u(:, i))
       end do
@@ -144,6 +146,11 @@ contains
       i = explicit_of_many_chosen
       if (self%parts() .and. size(self%harmonic) <= most_direct_parting) i = size(self%harmonic)
       if (i > self%explicit .or. self%is_direct() .and. i < self%explicit) call self%make_explicit(i)
+      if (self%is_direct() .or. .not. was_direct) return
+      ! Products by waves need the waves.
+      do i = 1, self%unknowns
+         call self%find_force(i, u(:, i))
+      end do
    end subroutine find_forces
 
    !> Mean damping over stiffness [1] of an unknown mesh at the last `find_forces`.
@@ -217,31 +224,31 @@ contains
               .and. .not. self%contact(i)%law%jumps
    end function stays
 
-   !> Makes `tangent` hold the derivatives at no fewer harmonics than these from now on.
+   !> Makes `tangent` hold the derivatives at no fewer harmonics than these from now on, at once those of the last `find_forces`.
    subroutine make_explicit(self, harmonics)
       class(mesh_forces_type), intent(inout) :: self
       !> Number of explicit harmonics, the lowest carried ones; all where fewer are carried.
       integer, intent(in) :: harmonics
+      integer :: i
 
       self%least_explicit = min(harmonics, size(self%harmonic))
       call self%adjust_explicit(self%least_explicit)
-   end subroutine make_explicit
-
-   !> Makes `tangent` hold the derivatives at so many harmonics, at the last `find_forces`.
-   subroutine adjust_explicit(self, harmonics)
-      class(mesh_forces_type), intent(inout) :: self
-      !> Number of explicit harmonics, the lowest carried ones; more where `make_explicit` asked for more.
-      integer, intent(in) :: harmonics
-      integer :: i
-
-      if (max(harmonics, self%least_explicit) == self%explicit) return
-      self%explicit = max(harmonics, self%least_explicit)
-      deallocate (self%tangent)
-      allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
       do i = 1, self%unknowns
          call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
          call self%damp_tangent(i)
       end do
+   end subroutine make_explicit
+
+   !> Makes room in `tangent` for the derivatives at so many harmonics, for the next `find_forces`.
+   subroutine adjust_explicit(self, harmonics)
+      class(mesh_forces_type), intent(inout) :: self
+      !> Number of explicit harmonics, the lowest carried ones, no fewer than `make_explicit` asked for.
+      integer, intent(in) :: harmonics
+
+      if (harmonics == self%explicit) return
+      self%explicit = harmonics
+      deallocate (self%tangent)
+      allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
    end subroutine adjust_explicit
 
    !> phi of unknown mesh i by the spectra of its contact, and its derivatives (geartrain_mesh_law_spectra).

@@ -374,7 +374,7 @@ contains
    end function height_by_nine
 
    !> Error of `height_by_nine` at most, with the given distance of samples [rad]: of each harmonic by the remainder of the
-   !> interpolation half a sample off the middle one, and of the vertex.
+   !> interpolation half a sample off the middle one, twice for the vertex, and of the parabola there.
    pure real(dp) function error_by_nine(u, harmonic, spacing) result(error)
       real(dp), intent(in) :: u(:), spacing
       integer, intent(in) :: harmonic(:)
@@ -383,7 +383,7 @@ contains
 
       error = 0
       do k = 1, size(harmonic)
-         error = error + hypot(u(2*k), u(2*k + 1))*(min(2.0_dp, remainder*(harmonic(k)*spacing)**9) + vertex)
+         error = error + hypot(u(2*k), u(2*k + 1))*(2*min(3.0_dp, remainder*(harmonic(k)*spacing)**9) + vertex)
       end do
    end function error_by_nine
 
