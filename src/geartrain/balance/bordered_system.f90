@@ -46,8 +46,6 @@ module geartrain_balance_bordered_system
       !> The linearised train in time, which takes the place of `lowest` and `factors` for sets of many harmonics.
       type(linear_flow_type), private :: flow
       logical, private :: flows = .false., suits_flow = .false.
-      !> The balance carries a chosen set of harmonics.
-      logical, private :: is_set = .false.
       !> The period is long, and solutions are as exact as with the linearised train in time.
       logical, private :: has_long_period = .false.
       !> Number of explicit harmonics that the factors are of.
@@ -89,7 +87,6 @@ contains
       if (allocated(self%column)) deallocate (self%column, self%row)
       allocate (self%column(balance%block, balance%unknowns), self%row(balance%block, balance%unknowns))
       if (allocated(self%basis)) deallocate (self%basis, self%basis_y, self%solved, self%solved_y)
-      self%is_set = balance%chosen
       self%suits_flow = balance%suits_flow()
       self%has_long_period = self%suits_flow .and. balance%has_long_period()
       self%most = merge(most_iterations_in_time, most_iterations, self%suits_flow)
@@ -217,7 +214,7 @@ contains
       regular = .true.
       ! A motion whose teeth part, or part no more, has another number of explicit harmonics than the one before.
       if (balance%explicit /= self%factored) call self%factor_again(balance, regular)
-      enough = self%least_accuracy()
+      enough = self%least_accuracy(balance)
       if (present(accuracy)) enough = max(enough, accuracy)
       self%iterations = 0
       ! Iterations cannot reduce a rest without the symmetry, which near a solution is as large as the residual.
@@ -262,7 +259,7 @@ contains
       end if
       y = 0
       if (share < 1) then
-         call self%solve(balance, x, y, self%least_accuracy()/max(share, self%least_accuracy()))
+         call self%solve(balance, x, y, self%least_accuracy(balance)/max(share, self%least_accuracy(balance)))
          x = near/scale + x
          y = near_y/scale + y
       else
@@ -273,11 +270,12 @@ contains
    end subroutine solve_border
 
    !> Residual relative to the right-hand side to which GMRES solves at most.
-   pure real(dp) function least_accuracy(self)
+   pure real(dp) function least_accuracy(self, balance)
       class(bordered_system_type), intent(in) :: self
+      type(balance_type), intent(in) :: balance
 
       least_accuracy = tolerance
-      if (self%flows .or. self%has_long_period) least_accuracy = merge(tolerance_of_set, tolerance_in_time, self%is_set)
+      if (self%flows .or. self%has_long_period) least_accuracy = merge(tolerance_of_set, tolerance_in_time, balance%chosen)
    end function least_accuracy
 
    !> Factors for the number of explicit harmonics that the balance has now, without the linearised train in time. Where that suits
