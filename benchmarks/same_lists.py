@@ -53,14 +53,14 @@ def response_only(text: str, step: float | None = None) -> str | None:
     return text
 
 
-def random_case(seed: int) -> str:
-    """A random train over a range about a natural frequency."""
+def random_case(seed: int, most: int | None = None) -> str:
+    """A random train over a range about a natural frequency, with 3 to 8 harmonics of its fastest mesh or with `most`."""
     rng = np.random.default_rng(seed)
     train = random_trains.random_train(rng)
     order = max(mesh.order or 1 for mesh in train.meshes) if all(mesh.order for mesh in train.meshes) else 1
     natural = float(rng.choice(train.modes().natural_frequency)) / order
     low, high = natural * rng.uniform(0.35, 0.8), natural * rng.uniform(1.1, 1.4)
-    harmonics = int(rng.integers(3, 9)) * order
+    harmonics = most or int(rng.integers(3, 9)) * order
     return train.namelist(response={"start": low, "stop": high, "harmonics": harmonics, "max_points": 3000})
 
 
@@ -133,6 +133,7 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--folder", type=Path, default=None)
     parser.add_argument("--fine", type=float, default=0.005)
+    parser.add_argument("--harmonics", type=int, default=None, help="of the random trains")
     chosen = parser.parse_args()
     folder = chosen.folder or Path(tempfile.mkdtemp())
     texts = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "namelists").glob("*.nml"))} | case_texts()
@@ -142,7 +143,7 @@ def main() -> None:
     for seed in range(chosen.first, chosen.first + chosen.trains):
         path = kept / f"random_{seed:03}.nml"
         if not path.exists():
-            path.write_text(random_case(seed), encoding="utf-8")
+            path.write_text(random_case(seed, chosen.harmonics), encoding="utf-8")
         texts[path.stem] = path.read_text(encoding="utf-8")
     run(chosen.old, texts, folder / "old")
     run(chosen.new, texts, folder / "new")
