@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import atexit
 import contextlib
 import math
@@ -80,8 +81,9 @@ def watched(
     """
     progress = quiet()
     # Not an Event: a Ctrl-C amid the Python code of its locks makes an error of the other thread.
-    busy, over = threading.Lock(), False
+    busy, ended, over = threading.Lock(), threading.Lock(), False
     busy.acquire()
+    ended.acquire()
     result: Result | None = None
     failure: BaseException | None = None
 
@@ -94,15 +96,16 @@ def watched(
         finally:
             over = True
             busy.release()
+            ended.release()
 
-    thread = threading.Thread(target=run, name=f"geartrain {name}", daemon=True)
     interrupted = late = False
     wanted = True
     bar = None
     told = ""
     begin = time.monotonic()
     try:
-        thread.start()
+        # Not a Thread, whose start waits for it: a Ctrl-C meanwhile would be an interrupt of no work.
+        _thread.start_new_thread(run, ())
         while not over:
             try:
                 busy.acquire(timeout=_TICK)
@@ -127,7 +130,7 @@ def watched(
                 second, interrupted = interrupted, True
                 if second or not in_parts:
                     # The other thread ends by itself, and before the process does: its code must not be unloaded under it.
-                    atexit.register(thread.join)
+                    atexit.register(ended.acquire)
                     break
     finally:
         progress[0] = 1.0  # whatever takes this thread out of here, the other one does not go on for nobody
