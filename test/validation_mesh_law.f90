@@ -190,7 +190,7 @@ contains
          difference = balance%residual
          call balance%evaluate(u - h*x, frequency_ratio)
          difference = (difference - balance%residual)/(2*h)
-         ! Products are those of this motion also after another one at a frequency at which all harmonics are eliminated.
+         ! At a low frequency all harmonics are eliminated. The products must not keep anything of the motion there.
          call balance%evaluate(2*u, slow)
          call tests%is_true(balance%is_direct(), 'low frequencies couple all harmonics strongly')
          call balance%evaluate(u, frequency_ratio)

@@ -224,7 +224,7 @@ contains
               .and. .not. self%contact(i)%law%jumps
    end function stays
 
-   !> Makes `tangent` hold the derivatives at no fewer harmonics than these from now on, at once those of the last `find_forces`.
+   !> Makes `tangent` hold the derivatives at this many harmonics or more, now and after each `find_forces`.
    subroutine make_explicit(self, harmonics)
       class(mesh_forces_type), intent(inout) :: self
       !> Number of explicit harmonics, the lowest carried ones; all where fewer are carried.

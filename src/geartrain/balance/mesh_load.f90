@@ -42,7 +42,7 @@ module geartrain_balance_mesh_load
 
 contains
 
-   !> Makes the work space for a mesh; does nothing where eta and samples are equal to those of the last call for this mesh.
+   !> Makes the work space for a mesh, unless it has one with this eta and number of samples.
    subroutine setup(self, system, mesh, eta, transform)
       class(force_reader_type), intent(inout) :: self
       type(system_type), intent(in) :: system

@@ -62,7 +62,7 @@ contains
       type(solution_point_type), intent(in) :: solution
       real(dp) :: u(corrector%balance%block, corrector%balance%system%meshes), rate(size(u, 1), size(u, 2))
       real(dp) :: extreme(2), at(2), slope(2), unused(2)
-      integer :: i, j
+      integer :: highest, i, j
 
       call find_rates(corrector, solution, u, rate)
       associate (harmonic => corrector%balance%harmonic, system => corrector%balance%system)
@@ -71,10 +71,11 @@ contains
          where (self%rms > 0) self%rms_slope = self%rms_slope/self%rms
          self%gap = system%half_backlash
          if (.not. allocated(self%depth)) allocate (self%depth(system%meshes, 2), self%depth_slope(system%meshes, 2))
-         call transform%plan(fine_samples(corrector%balance%highest))
          do j = 1, system%meshes
             if (.not. self%gap(j) > 0) cycle
-            if (corrector%balance%chosen) call transform%plan(fine_samples(own_resolution(u(:, j), harmonic)))
+            highest = corrector%balance%highest
+            if (corrector%balance%chosen) highest = own_resolution(u(:, j), harmonic)
+            call transform%plan(fine_samples(highest))
             call extremes(u(:, j), harmonic, transform, extreme(1), extreme(2), at)
             do i = 1, 2
                call evaluate(rate(:, j), harmonic, at(i), slope(i), unused(1), unused(2))
