@@ -37,6 +37,7 @@ program main
    use unit_slow_multipliers, only: slow_multipliers_tests
    use unit_slips, only: slips_tests
    use unit_time_constants, only: time_constants_tests
+   use unit_winding, only: winding_tests
    use validation_shaft_torque, only: shaft_torque_tests
    use validation_audit, only: audit_tests
    use validation_bifurcations, only: bifurcations_tests
@@ -93,6 +94,7 @@ program main
                    suite_type('unit_slow_multipliers', slow_multipliers_tests), &
                    suite_type('unit_slips', slips_tests), &
                    suite_type('unit_time_constants', time_constants_tests), &
+                   suite_type('unit_winding', winding_tests), &
                    suite_type('unit_results_run', results_run_tests), &
                    suite_type('validation_shaft_torque', shaft_torque_tests), &
                    suite_type('validation_paper_train', paper_train_tests), &

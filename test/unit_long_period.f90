@@ -34,6 +34,7 @@ contains
       if (tests%runs('nearby_orders')) call nearby_orders(tests)
       if (tests%runs('out_of_reach')) call out_of_reach(tests)
       if (tests%runs('states_of_sets')) call states_of_sets(tests)
+      if (tests%runs('states_of_few')) call states_of_few(tests)
       if (tests%runs('extremes_of_sets')) call extremes_of_sets(tests)
    end subroutine long_period_tests
 
@@ -119,6 +120,32 @@ contains
          end associate
       end do
    end subroutine states_of_sets
+
+   !> The states of a motion with few of ten thousands of harmonics. A balance with all of them needs more memory than there is.
+   subroutine states_of_few(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: harmonic(4) = [1573, 7407, 8980, 36*8980]
+      type(train_type) :: train
+      type(system_type), target :: system
+      type(motion_type) :: motion
+      real(dp), allocatable :: states(:, :)
+      integer :: k
+
+      train = paper_train(0.1_dp)
+      train%meshes%order = [8980, 1573]
+      call build_system(train, system)
+      allocate (motion%coefficients(1 + 2*maxval(harmonic), system%meshes), source=0.0_dp)
+      motion%frequency_ratio = 0.5_dp/8980
+      motion%period = 1
+      motion%coefficients(1, :) = [3.0_dp, 4.0_dp]
+      motion%coefficients(2*harmonic, :) = 0.01_dp
+      allocate (states(system%states, 5))
+      call states_of(system, motion, states)
+      do k = 1, 5
+         call tests%is_close(maxval(abs(states(system%mesh_element, k) - [3, 4] &
+                                        - sum(0.01_dp*cos(2*acos(-1.0_dp)*(k - 1)/5*harmonic)))), 0.0_dp, 1e-9_dp, 'displacements')
+      end do
+   end subroutine states_of_few
 
    !> A branch ends after twenty motions with an error above 0.1, or five in a long period. Motions of the trace from the other end
    !> are not counted.
@@ -291,7 +318,7 @@ contains
       w(stiffness) = [(0.3_dp, -0.2_dp), (-0.1_dp, 0.05_dp)]
       call random_number(x)
       call toeplitz(harmonic, w, matrix)
-      call sparse_product(harmonic, stiffness, w, x, f)
+      call sparse_product(harmonic, stiffness, w(0)%re, w(stiffness), x, f)
       call tests%is_close(maxval(abs(f - matmul(matrix, x))), 0.0_dp, 1e-14_dp, 'product by neighbours')
    end subroutine few_harmonics
 

@@ -117,7 +117,7 @@ contains
       balance%system%decay = 2*balance%system%decay
       call monodromy%integrate(balance, 0.7_dp)
       call tests%is_true(.not. monodromy%confirmed, 'a determinant that does not hold is told')
-      call assess(monodromy, balance, u, 0.7_dp, estimate, multipliers, .false., assessment)
+      call assess(monodromy, balance, balance, u, 0.7_dp, estimate, multipliers, .false., assessment)
       call tests%is_true(assessment%undecided, 'and the verdict is undecided')
    end subroutine liouville
 

@@ -4,6 +4,7 @@
 !> indices put right, shafts condensed.
 module geartrain_balance_balance
    use geartrain_balance_mesh_forces, only: mesh_forces_type
+   use geartrain_balance_winding, only: winding_type
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_bordered, only: bordered_type
    use geartrain_network_excitation, only: excited_harmonics
@@ -48,7 +49,7 @@ module geartrain_balance_balance
 contains
 
    !> Prepares the balance; samples = 0: exact coefficients.
-   subroutine setup(self, system, highest, eta, samples, chosen, repeats)
+   subroutine setup(self, system, highest, eta, samples, chosen, repeats, winding)
       class(balance_type), intent(inout) :: self
       type(system_type), pointer, intent(in) :: system
       !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
@@ -57,10 +58,12 @@ contains
       integer, intent(in), optional :: chosen(:)
       !> How often the motions go through their waveform within the period, see `mesh_forces_type`.
       integer, intent(in), optional :: repeats
+      !> Winding in which all harmonics to carry have places; absent: none.
+      type(winding_type), intent(in), optional :: winding
       logical :: misses(3*highest)
       integer :: r
 
-      call self%mesh_forces_type%setup(system, highest, eta, samples, chosen, repeats)
+      call self%mesh_forces_type%setup(system, highest, eta, samples, chosen, repeats, winding)
       misses = .true.
       misses(self%harmonic) = .false.
       self%missing = pack([(r, r=1, 3*highest)], misses)

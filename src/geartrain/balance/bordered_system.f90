@@ -88,10 +88,10 @@ contains
       allocate (self%column(balance%block, balance%unknowns), self%row(balance%block, balance%unknowns))
       if (allocated(self%basis)) deallocate (self%basis, self%basis_y, self%solved, self%solved_y)
       self%suits_flow = balance%suits_flow()
-      self%has_long_period = self%suits_flow .and. balance%has_long_period()
+      self%has_long_period = (self%suits_flow .or. balance%is_wound()) .and. balance%has_long_period()
       self%most = merge(most_iterations_in_time, most_iterations, self%suits_flow)
       if (self%has_long_period) self%most = most_iterations_in_contact
-      if (balance%is_direct()) return
+      if (balance%is_direct() .and. .not. balance%is_wound()) return
       allocate (self%basis(balance%block, balance%unknowns, self%most + 1), self%basis_y(self%most + 1))
       allocate (self%solved(balance%block, balance%unknowns, self%most), self%solved_y(self%most))
    end subroutine setup
@@ -103,7 +103,8 @@ contains
       type(balance_type), intent(in) :: balance
 
       ! Where no teeth part harmonics are coupled weakly, and the period may be that of hunting teeth.
-      self%flows = self%suits_flow .and. balance%suits_flow() .and. (balance%parts() .or. .not. self%has_long_period)
+      self%flows = self%suits_flow .and. balance%suits_flow() .and. (balance%parts() .or. .not. self%has_long_period) &
+                   .and. .not. balance%is_wound()
       if (.not. self%flows) call balance%jacobian(self%lowest)
       self%column = balance%d_frequency
    end subroutine linearize

@@ -7,7 +7,7 @@ module geartrain_balance_error_estimate
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_least_residual, only: least_residual_type
-   use geartrain_linalg_trigonometric, only: evaluate, fine_samples, sample
+   use geartrain_linalg_trigonometric, only: evaluate, fine_samples, own_resolution, sample
    use geartrain_network_excitation, only: excited_harmonics
    use geartrain_network_receptance, only: linear_displacements
    implicit none (type, external)
@@ -273,9 +273,11 @@ contains
       type(balance_type), intent(in) :: balance
       integer :: longest, last
 
-      longest = far*balance%highest
-      last = maxval([longest, balance%left_out]) + balance%highest
-      longest = longest + count(balance%left_out > longest)
+      associate (winding => balance%winding, left_out => balance%left_out)
+         longest = max(winding%last_place(far*balance%highest), far*maxval([1, balance%place]))
+         last = max(longest, winding%last_place(maxval([1, left_out]))) + winding%last_place(balance%highest)
+         longest = longest + count(left_out > far*balance%highest)
+      end associate
       if (allocated(self%remainder)) then
          if (.not. (ubound(self%remainder, 1) == near*balance%highest .and. size(self%tail, 1) == longest .and. &
                     size(self%tail, 2) == balance%unknowns)) deallocate (self%remainder, self%harmonic, self%tail)
@@ -362,8 +364,7 @@ contains
       waveform_error = waveform_error + missing
    end function waveform_error
 
-   !> `waveform_error` at equally spaced instants of the period, beginning at theta = 0, eight or more in a period of the highest
-   !> harmonic.
+   !> `waveform_error` at equally spaced instants of the period, beginning at theta = 0, as many as its amplitudes need.
    subroutine sample_error(self, balance, i, transform)
       class(error_estimate_type), intent(in) :: self
       !> The balance of the estimate.
@@ -378,7 +379,7 @@ contains
       tail(1::2) = self%tail(:self%count, i)%re
       tail(2::2) = -self%tail(:self%count, i)%im
       harmonic = [balance%harmonic, self%harmonic(:self%count)]
-      call transform%plan(fine_samples(maxval([1, harmonic])))
+      call transform%plan(fine_samples(own_resolution([self%error(:, i), tail], harmonic)))
       call sample([self%error(:, i), tail], harmonic, transform)
    end subroutine sample_error
 

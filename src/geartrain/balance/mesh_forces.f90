@@ -4,10 +4,12 @@
 module geartrain_balance_mesh_forces
    use geartrain_balance_needed_harmonics, only: needed_harmonics
    use geartrain_balance_products, only: add_coefficients, find_wave, sparse_product, toeplitz, wave_product
+   use geartrain_balance_winding, only: winding_type
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: fine_samples, transform_length
+   use geartrain_mesh_law_law, only: law_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
@@ -22,6 +24,8 @@ module geartrain_balance_mesh_forces
    !> Likewise where teeth begin to part in a long period: its samples, or its steps in time, cost more than elimination.
    integer, parameter :: most_direct_parting = 600
 
+   !> Most rows of a matrix that are eliminated where teeth part on a winding.
+   integer, parameter :: most_wound_rows = 2000
    !> Unknown meshes and rows of a matrix from which on it is large.
    integer, parameter :: least_dense = 4, least_dense_rows = 600
    !> Most elements of the linearised train in time: a step costs the square of their number, and flow_steps.c has room for so many.
@@ -32,6 +36,10 @@ module geartrain_balance_mesh_forces
       !> Carried harmonics of Lambda/eta, ascending; coefficients of a mesh, 1 + 2*size(harmonic).
       integer, allocatable :: harmonic(:)
       integer :: block = 1
+      !> The contacts and their spectra are those of a winding, where one is taken; place of each carried harmonic in it, else the
+      !> harmonic.
+      type(winding_type) :: winding
+      integer, allocatable :: place(:)
       !> Highest harmonic asked for; carried are all of 1..highest where eta > 1, else those that the excitation reaches, or a set
       !> that the caller chose.
       integer :: highest = 0
@@ -61,6 +69,8 @@ module geartrain_balance_mesh_forces
       procedure :: setup
       procedure :: find_forces
       procedure :: is_direct
+      procedure :: is_wound
+      procedure :: keeps_distance
       procedure :: suits_flow
       procedure :: parts
       procedure :: make_explicit
@@ -69,6 +79,7 @@ module geartrain_balance_mesh_forces
       procedure :: damping_of
       procedure :: mean_stiffness
       procedure, private :: find_force
+      procedure, private :: sparse
       procedure, private :: stays
       procedure, private :: constant_stiffness
       procedure, private :: damp_tangent
@@ -78,7 +89,7 @@ module geartrain_balance_mesh_forces
 contains
 
    !> Chooses the carried harmonics and prepares work space and plans for `find_forces`.
-   subroutine setup(self, system, highest, eta, samples, chosen, repeats)
+   subroutine setup(self, system, highest, eta, samples, chosen, repeats, winding)
       class(mesh_forces_type), intent(inout) :: self
       type(system_type), pointer, intent(in) :: system
       !> Highest harmonic of Lambda/eta to carry; sub-harmonic index; samples a period by which coefficients are found, 0: exact.
@@ -88,6 +99,9 @@ contains
       !> How often the motions go through their waveform within the period, a divisor of the excitation's: multiples of it are
       !> carried; absent: as often as the excitation where eta is 1, else once.
       integer, intent(in), optional :: repeats
+      !> Winding in which all harmonics to carry have places; absent: none.
+      type(winding_type), intent(in), optional :: winding
+      type(law_type) :: law
       integer :: i, r
 
       self%system => system
@@ -104,15 +118,18 @@ contains
          self%harmonic = needed_harmonics(system, highest)
       end if
       self%block = 1 + 2*size(self%harmonic)
+      self%winding%cycles = 0
+      if (present(winding)) self%winding = winding
+      self%place = self%winding%place_of(self%harmonic)
       self%mesh = system%cut%mesh
       self%unknowns = size(self%mesh)
       if (.not. allocated(self%contact)) allocate (self%contact(self%unknowns), self%uncoupled(self%unknowns))
       do i = 1, self%unknowns
-         associate (j => self%mesh(i))
-            call self%contact(i)%setup(system%law(j), eta, self%harmonic, 2*highest, samples)
-         end associate
+         law = system%law(self%mesh(i))
+         call self%winding%wind(law)
+         call self%contact(i)%setup(law, eta, self%place, 2*max(self%winding%place_of(highest), maxval([0, self%place])), samples)
       end do
-      call self%fine%plan(fine_samples(maxval([1, self%harmonic])))
+      call self%fine%plan(fine_samples(maxval([1, self%place])))
       if (allocated(self%force)) deallocate (self%force, self%force_rate, self%wave, self%damping_wave, self%tangent)
       allocate (self%force(self%block, self%unknowns), self%force_rate(self%block, self%unknowns))
       self%explicit = size(self%harmonic)
@@ -123,8 +140,8 @@ contains
       end if
       self%least_explicit = self%explicit
       ! No alias of a product with spectra up to twice the highest harmonic reaches a carried harmonic.
-      if (.not. self%is_direct()) call self%products%plan(transform_length(4*self%harmonic(size(self%harmonic)) + 1))
-      allocate (self%wave(merge(0, self%products%samples, self%is_direct()), self%unknowns))
+      if (self%is_wound() .or. .not. self%is_direct()) call self%products%plan(transform_length(4*maxval(self%place) + 1))
+      allocate (self%wave(merge(self%products%samples, 0, self%is_wound() .or. .not. self%is_direct()), self%unknowns))
       allocate (self%damping_wave(merge(size(self%wave, 1), 0, any(system%law(self%mesh)%jumps)), self%unknowns))
       allocate (self%tangent(1 + 2*self%explicit, 1 + 2*self%explicit, self%unknowns))
    end subroutine setup
@@ -142,9 +159,16 @@ contains
       do i = 1, self%unknowns
          call self%find_force(i, u(:, i))
       end do
-      if (size(self%harmonic) <= most_direct_chosen .or. .not. (self%chosen .and. self%has_long_period())) return
-      i = explicit_of_many_chosen
-      if (self%parts() .and. size(self%harmonic) <= most_direct_parting) i = size(self%harmonic)
+      if (.not. (self%chosen .and. self%has_long_period())) return
+      i = min(size(self%harmonic), explicit_of_many_chosen)
+      if (self%is_wound()) then
+         ! The products of a winding cost less than elimination of many rows.
+         if (size(self%harmonic) <= most_direct_chosen .and. &
+             (self%unknowns*self%block <= most_wound_rows .or. .not. self%parts())) i = size(self%harmonic)
+      else
+         if (size(self%harmonic) <= most_direct_chosen) return
+         if (self%parts() .and. size(self%harmonic) <= most_direct_parting) i = size(self%harmonic)
+      end if
       if (i > self%explicit .or. self%is_direct() .and. i < self%explicit) call self%make_explicit(i)
       if (self%is_direct() .or. .not. was_direct) return
       ! Products by waves need the waves.
@@ -179,6 +203,20 @@ contains
 
       is_direct = self%explicit == size(self%harmonic)
    end function is_direct
+
+   !> Whether the contacts are those of a winding.
+   pure logical function is_wound(self)
+      class(mesh_forces_type), intent(in) :: self
+
+      is_wound = self%winding%cycles > 0
+   end function is_wound
+
+   !> Whether all meshes kept away from their walls at the last `find_forces`, by their amplitudes: no winding matters then.
+   pure logical function keeps_distance(self)
+      class(mesh_forces_type), intent(in) :: self
+
+      keeps_distance = all(self%contact(:self%unknowns)%keeps_distance())
+   end function keeps_distance
 
    !> Whether the linearised train in time (linear_flow.f90) replaces elimination as preconditioner: for chosen sets of harmonics,
    !> and where elimination would factor one large matrix because each mesh is coupled with each.
@@ -234,7 +272,7 @@ contains
       self%least_explicit = min(harmonics, size(self%harmonic))
       call self%adjust_explicit(self%least_explicit)
       do i = 1, self%unknowns
-         call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
+         call toeplitz(self%place(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
          call self%damp_tangent(i)
       end do
    end subroutine make_explicit
@@ -268,7 +306,7 @@ contains
             self%tangent(k, k, i) = self%constant_stiffness(i)
          end do
       else
-         call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
+         call toeplitz(self%place(:self%explicit), self%contact(i)%spectra%stiffness, self%tangent(:, :, i))
       end if
       associate (f => self%force(:, i), spectra => self%contact(i)%spectra)
          if (self%uncoupled(i)) then
@@ -279,19 +317,35 @@ contains
                f = f + u(k)*self%tangent(:, k, i)
             end do
          else if (self%stays(i)) then
-            call sparse_product(self%harmonic, self%eta*self%contact(i)%law%harmonic, spectra%stiffness, u, f)
+            call self%sparse(i, u, f)
          else
-            call find_wave(self%harmonic, spectra%stiffness, self%products, self%wave(:, i))
+            call find_wave(self%place, spectra%stiffness, self%products, self%wave(:, i))
             if (self%contact(i)%law%jumps) &
-               call find_wave(self%harmonic, spectra%damping, self%products, self%damping_wave(:, i))
-            call wave_product(self%harmonic, self%wave(:, i), u, self%products, f)
+               call find_wave(self%place, spectra%damping, self%products, self%damping_wave(:, i))
+            call wave_product(self%place, self%wave(:, i), u, self%products, f)
          end if
-         call add_coefficients(self%harmonic, -1.0_dp, spectra%offset, f)
+         call add_coefficients(self%place, -1.0_dp, spectra%offset, f)
       end associate
       call self%damp_tangent(i)
       call self%rate_of(i, u, self%force_rate(:, i))
       self%force(:, i) = self%force(:, i) + self%frequency_ratio*self%force_rate(:, i)
    end subroutine find_force
+
+   !> Product of the stiffness of unknown mesh i, which `stays`, with coefficients x.
+   subroutine sparse(self, i, x, f)
+      class(mesh_forces_type), intent(in) :: self
+      integer, intent(in) :: i
+      real(dp), intent(in) :: x(:)
+      real(dp), intent(out) :: f(:)
+      complex(dp), allocatable :: value(:)
+      integer, allocatable :: harmonic(:)
+
+      associate (law => self%contact(i)%law, stiffness => self%contact(i)%spectra%stiffness)
+         value = stiffness(pack(self%eta*law%harmonic, self%eta*law%harmonic <= ubound(stiffness, 1)))
+         harmonic = pack(self%eta*law%harmonic, self%eta*law%harmonic <= ubound(stiffness, 1))
+         call sparse_product(self%harmonic, self%winding%harmonic_at(harmonic), stiffness(0)%re, value, x, f)
+      end associate
+   end subroutine sparse
 
    !> Derivative of damping p + impulse with respect to time per Lambda, of unknown mesh i at the coefficients x; `linear`: of what
    !> a change x adds.
@@ -311,12 +365,12 @@ contains
             allocate (integral(self%block))
             if (self%is_direct()) then
                allocate (matrix(self%block, self%block))
-               call toeplitz(self%harmonic, spectra%damping, matrix)
+               call toeplitz(self%place, spectra%damping, matrix)
                integral = matmul(matrix, x)
             else
-               call wave_product(self%harmonic, self%damping_wave(:, i), x, self%products, integral)
+               call wave_product(self%place, self%damping_wave(:, i), x, self%products, integral)
             end if
-            if (.not. present(linear)) call add_coefficients(self%harmonic, 1.0_dp, spectra%impulse, integral)
+            if (.not. present(linear)) call add_coefficients(self%place, 1.0_dp, spectra%impulse, integral)
          end associate
          do k = 1, size(self%harmonic)
             gamma = real(self%harmonic(k), dp)/self%eta
@@ -345,7 +399,7 @@ contains
       jumps = self%contact(i)%law%jumps .and. .not. self%uncoupled(i)
       if (jumps) then
          allocate (matrix(1 + 2*self%explicit, 1 + 2*self%explicit))
-         call toeplitz(self%harmonic(:self%explicit), self%contact(i)%spectra%damping, matrix)
+         call toeplitz(self%place(:self%explicit), self%contact(i)%spectra%damping, matrix)
       end if
       associate (tangent => self%tangent(:, :, i))
          do k = 1, self%explicit
@@ -375,9 +429,9 @@ contains
       if (self%uncoupled(i)) then
          f = self%constant_stiffness(i)*x
       else if (self%stays(i)) then
-         call sparse_product(self%harmonic, self%eta*self%contact(i)%law%harmonic, self%contact(i)%spectra%stiffness, x, f)
+         call self%sparse(i, x, f)
       else
-         call wave_product(self%harmonic, self%wave(:, i), x, self%products, f)
+         call wave_product(self%place, self%wave(:, i), x, self%products, f)
       end if
       call self%rate_of(i, x, rate, linear=.true.)
       f = f + self%frequency_ratio*rate

@@ -13,7 +13,7 @@ contains
 
    !> Makes the matrix of the product.
    pure subroutine toeplitz(harmonic, w, t)
-      !> Carried harmonics, ascending.
+      !> Carried harmonics.
       integer, intent(in) :: harmonic(:)
       !> Two-sided coefficients of the function, (0:).
       complex(dp), intent(in) :: w(0:)
@@ -46,7 +46,7 @@ contains
 
    !> Adds a multiple of the function to the coefficients of another function.
    pure subroutine add_coefficients(harmonic, factor, w, f)
-      !> Carried harmonics, ascending.
+      !> Carried harmonics.
       integer, intent(in) :: harmonic(:)
       !> Multiple of the function.
       real(dp), intent(in) :: factor
@@ -65,7 +65,7 @@ contains
 
    !> Samples the function, with its coefficients up to twice the highest harmonic.
    subroutine find_wave(harmonic, w, transform, wave)
-      !> Carried harmonics, ascending.
+      !> Carried harmonics.
       integer, intent(in) :: harmonic(:)
       !> Two-sided coefficients of the function, (0:).
       complex(dp), intent(in) :: w(0:)
@@ -75,7 +75,7 @@ contains
       real(dp), intent(out) :: wave(:)
 
       transform%coefficient = 0
-      associate (n => 2*harmonic(size(harmonic)))
+      associate (n => 2*maxval(harmonic))
          transform%coefficient(:n + 1) = w(:n)
       end associate
       call transform%to_samples()
@@ -85,7 +85,7 @@ contains
    !> Product of the function, given by samples, with a motion; exact where there are more samples than four times the highest
    !> harmonic.
    subroutine wave_product(harmonic, wave, x, transform, f)
-      !> Carried harmonics, ascending.
+      !> Carried harmonics.
       integer, intent(in) :: harmonic(:)
       !> Samples of the function, (sample); coefficients of the motion, (1 + 2*harmonics).
       real(dp), intent(in) :: wave(:), x(:)
@@ -106,11 +106,13 @@ contains
    end subroutine wave_product
 
    !> Product of a function of few harmonics with a motion.
-   subroutine sparse_product(harmonic, index, w, x, f)
+   subroutine sparse_product(harmonic, index, mean, w, x, f)
       !> Carried harmonics, ascending; harmonics of the function.
       integer, intent(in) :: harmonic(:), index(:)
-      !> Two-sided coefficients of the function, (0:).
-      complex(dp), intent(in) :: w(0:)
+      !> Mean of the function.
+      real(dp), intent(in) :: mean
+      !> Its two-sided coefficients at its harmonics, (index).
+      complex(dp), intent(in) :: w(:)
       !> Coefficients of the motion, (1 + 2*harmonics).
       real(dp), intent(in) :: x(:)
       !> Coefficients of the product, (1 + 2*harmonics).
@@ -118,10 +120,9 @@ contains
       integer :: i, j, k, n
 
       n = size(harmonic)
-      f = w(0)%re*x
+      f = mean*x
       do i = 1, size(index)
          associate (r => index(i))
-            if (r > ubound(w, 1)) cycle
             ! Harmonics that are r apart make one another.
             j = 1
             do k = 1, n
@@ -130,22 +131,22 @@ contains
                end do
                if (harmonic(j) < harmonic(k) + r) exit
                if (harmonic(j) > harmonic(k) + r) cycle
-               call add(k, conjg(w(r))*amplitude(j))
-               call add(j, w(r)*amplitude(k))
+               call add(k, conjg(w(i))*amplitude(j))
+               call add(j, w(i)*amplitude(k))
             end do
             ! Harmonics that add up to r make one another, and r and the mean.
             j = n
             do k = 1, n
                if (harmonic(k) > r) exit
                if (harmonic(k) == r) then
-                  f(1) = f(1) + real(conjg(w(r))*amplitude(k), dp)
-                  call add(k, 2*w(r)*x(1))
+                  f(1) = f(1) + real(conjg(w(i))*amplitude(k), dp)
+                  call add(k, 2*w(i)*x(1))
                   exit
                end if
                do while (j > 1 .and. harmonic(j) > r - harmonic(k))
                   j = j - 1
                end do
-               if (harmonic(j) == r - harmonic(k)) call add(k, w(r)*conjg(amplitude(j)))
+               if (harmonic(j) == r - harmonic(k)) call add(k, w(i)*conjg(amplitude(j)))
             end do
          end associate
       end do

@@ -22,8 +22,8 @@ module geartrain_balance_tail_equations
       !> displacements are there.
       logical :: direct = .true., stiff = .true., prepared = .false.
       real(dp) :: frequency_ratio = 0
-      !> Harmonics of Lambda/eta in the tail.
-      integer, allocatable :: harmonic(:)
+      !> Harmonics of Lambda/eta in the tail, and their places in the winding of the balance.
+      integer, allocatable :: harmonic(:), place(:)
       !> Spectra of contact, (unknown).
       type(spectra_type), allocatable :: spectra(:)
       !> Receptance and factors of the matrix of displacements with mean stiffness, (entry, tail); displacements by the excitation
@@ -75,8 +75,9 @@ contains
 
       self%frequency_ratio = frequency_ratio
       self%harmonic = harmonic
+      self%place = balance%winding%place_of(harmonic)
       self%prepared = .false.
-      self%reach = harmonic(size(harmonic)) + balance%highest
+      self%reach = maxval(self%place) + maxval(balance%place)
       do i = 1, balance%unknowns
          call balance%contact(i)%extend(self%spectra(i), self%reach)
       end do
@@ -126,6 +127,7 @@ contains
       integer :: m
 
       self%harmonic = self%harmonic(rows)
+      self%place = self%place(rows)
       ! No row is overwritten before it has moved.
       do m = 1, merge(size(rows), 0, self%prepared)
          self%h(:, m) = self%h(:, rows(m))
@@ -157,13 +159,13 @@ contains
       integer :: i
 
       do i = 1, balance%unknowns
-         associate (spectra => self%spectra(i), harmonic => self%harmonic)
+         associate (spectra => self%spectra(i))
             call at_tail(spectra%stiffness(:self%reach), force(:, i))
-            force(:, i) = force(:, i) - 2*spectra%offset(harmonic)
+            force(:, i) = force(:, i) - 2*spectra%offset(self%place)
             if (.not. balance%contact(i)%law%jumps) cycle
             call at_tail(spectra%damping(:self%reach), integral)
-            force(:, i) = force(:, i) + cmplx(0, self%frequency_ratio/balance%eta, dp)*harmonic &
-                          *(integral + 2*spectra%impulse(harmonic))
+            force(:, i) = force(:, i) + cmplx(0, self%frequency_ratio/balance%eta, dp)*self%harmonic &
+                          *(integral + 2*spectra%impulse(self%place))
          end associate
       end do
 
@@ -175,12 +177,12 @@ contains
          complex(dp), intent(out) :: product(:)
 
          if (self%direct) then
-            call driven(balance%harmonic, self%harmonic, w, u(:, i), product)
-            product = product + 2*u(1, i)*w(self%harmonic)
+            call driven(balance%place, self%place, w, u(:, i), product)
+            product = product + 2*u(1, i)*w(self%place)
          else
-            call sample(u(:, i), balance%harmonic, self%wide)
+            call sample(u(:, i), balance%place, self%wide)
             call multiply(self%wide, w)
-            product = 2*self%wide%coefficient(self%harmonic + 1)
+            product = 2*self%wide%coefficient(self%place + 1)
          end if
       end subroutine at_tail
 
@@ -225,19 +227,19 @@ contains
          complex(dp) :: by_change(size(product))
          real(dp), allocatable :: wave(:)
 
-         associate (harmonic => self%harmonic)
-            if (sums_are_less(self, balance, size(harmonic) + size(balance%harmonic))) then
-               call driven(harmonic, harmonic, w, coefficients, product)
-               call driven(balance%harmonic, harmonic, w, change(:, i), by_change)
-               product = product + by_change + 2*change(1, i)*w(harmonic)
+         associate (place => self%place)
+            if (sums_are_less(self, balance, size(place) + size(balance%harmonic))) then
+               call driven(place, place, w, coefficients, product)
+               call driven(balance%place, place, w, change(:, i), by_change)
+               product = product + by_change + 2*change(1, i)*w(place)
             else
                call self%wide%plan(transform_length(2*self%reach + 1))
-               call sample(change(:, i), balance%harmonic, self%wide)
+               call sample(change(:, i), balance%place, self%wide)
                wave = self%wide%sample
-               call sample(coefficients, harmonic, self%wide)
+               call sample(coefficients, place, self%wide)
                self%wide%sample = self%wide%sample + wave
                call multiply(self%wide, w)
-               product = 2*self%wide%coefficient(harmonic + 1)
+               product = 2*self%wide%coefficient(place + 1)
             end if
          end associate
       end subroutine at_tail
@@ -305,9 +307,9 @@ contains
          real(dp), intent(out) :: product(:)
 
          if (self%direct) then
-            call tail_force(balance%harmonic, self%harmonic, w, tail(:, i), product)
+            call tail_force(balance%place, self%place, w, tail(:, i), product)
          else
-            call transform_tail(balance%harmonic, self%harmonic, w, tail(:, i), self%wide, product)
+            call transform_tail(balance%place, self%place, w, tail(:, i), self%wide, product)
          end if
       end subroutine at_kept
 

@@ -2,6 +2,7 @@
 module geartrain_balance_tail_harmonics
    use geartrain_balance_balance, only: balance_type
    use geartrain_base_kinds, only: dp
+   use geartrain_base_sorting, only: ascending
    implicit none (type, external)
    private
    public :: busiest, far, near, resonance_ratio, tail_harmonics
@@ -35,6 +36,10 @@ contains
       ! Linear: harmonics do not make others.
       harmonic = balance%left_out
       if (balance%unknowns == 0) return
+      if (balance%is_wound() .and. balance%parts()) then
+         harmonic = placed_harmonics(balance, frequency_ratio, resonance)
+         return
+      end if
       if (.not. any(balance%contact%events > 0)) then
          taken = driven_harmonics(balance)
       else
@@ -51,7 +56,37 @@ contains
       taken(pack(balance%left_out, balance%left_out <= size(taken))) = .true.
       harmonic = pack([(k, k=balance%repeats, size(taken), balance%repeats)], taken(balance%repeats::balance%repeats))
       harmonic = [harmonic, pack(balance%left_out, balance%left_out > size(taken))]
+      harmonic = pack(harmonic, balance%winding%place_of(harmonic) > 0)
    end function tail_harmonics
+
+   !> The harmonics of the tail that have places in the winding of the balance, ascending.
+   pure function placed_harmonics(balance, frequency_ratio, resonance) result(harmonic)
+      type(balance_type), intent(in) :: balance
+      real(dp), intent(in) :: frequency_ratio
+      real(dp), intent(in), optional :: resonance(:, :)
+      integer, allocatable :: harmonic(:)
+      logical, allocatable :: taken(:)
+      real(dp) :: r(2)
+      integer :: highest, k, p
+
+      highest = maxval(balance%place)
+      harmonic = balance%winding%harmonic_at([(p, p=1, far*highest)])
+      allocate (taken(far*highest), source=.false.)
+      taken(:near*highest) = .true.
+      if (present(resonance)) then
+         do k = 1, size(resonance, 2)
+            r = resonance(:, k)/frequency_ratio
+            taken = taken .or. harmonic > lowest_resonance*r(1) .and. harmonic <= highest_resonance*r(2)
+         end do
+      end if
+      do k = 1, size(balance%left_out)
+         p = balance%winding%place_of(balance%left_out(k))
+         if (p <= size(taken)) taken(p) = .true.
+      end do
+      taken(balance%place) = .false.
+      harmonic = pack(harmonic, taken .and. harmonic > 0)
+      harmonic = harmonic(ascending(real(harmonic, dp)))
+   end function placed_harmonics
 
    !> Which harmonics the carried ones times kappa drive and are not carried: where no teeth part the force has no others. Of
    !> hunting teeth these are some hundred of a hundred thousand.
@@ -65,7 +100,7 @@ contains
          associate (law => balance%contact(i)%law)
             if (.not. law%varies(balance%contact(i)%first_contact)) cycle
             do h = 1, size(law%harmonic)
-               associate (r => balance%eta*law%harmonic(h))
+               associate (r => balance%eta*balance%winding%harmonic_at(law%harmonic(h)))
                   call mark([r, balance%harmonic + r, abs(balance%harmonic - r)])
                end associate
             end do

@@ -21,8 +21,8 @@ module geartrain_floquet_growth
 
    !> Cycles of the fastest mesh in the first part; the part grows by two until its rate is sure.
    integer, parameter :: first_cycles = 32
-   !> Cycles after which a rate that is not to be sure is left as it is.
-   integer, parameter :: rough_cycles = 128
+   !> Cycles after which a rate that is not to be sure is left as it is, and any rate: the motion is next to neutral.
+   integer, parameter :: rough_cycles = 128, most_cycles = 2048
    !> A part this share of the period is as well the whole.
    real(dp), parameter :: almost_whole = 0.6_dp
    !> Distance of a rate from 0, over its error, above which its sign is decided [1].
@@ -43,7 +43,7 @@ module geartrain_floquet_growth
 contains
 
    !> Finds the growth rate of a motion.
-   subroutine find_growth(monodromy, motion, frequency_ratio, growth, roughly)
+   subroutine find_growth(monodromy, motion, frequency_ratio, growth, roughly, enough)
       !> Matrix of the perturbations, set up for the train.
       type(monodromy_type), intent(inout) :: monodromy
       !> Contacts of the motion over its period.
@@ -54,13 +54,17 @@ contains
       type(growth_type), intent(out) :: growth
       !> The motion is not known well enough for a verdict: a rate over `rough_cycles` is enough.
       logical, intent(in), optional :: roughly
+      !> Error of the rate that is small enough, whether or not the sign is sure [1/dimensionless time]; absent: none is.
+      real(dp), intent(in), optional :: enough
       real(dp) :: product(monodromy%states, monodromy%states), before(monodromy%states, monodromy%states)
-      real(dp) :: beat, change(2), cycle, log_scale, period, rate, scale, time
+      real(dp) :: beat, change(2), cycle, log_scale, period, rate, scale, small, time
       integer :: n, cycles
       logical :: confirmed, rough
 
       rough = .false.
       if (present(roughly)) rough = roughly
+      small = 0
+      if (present(enough)) small = enough
       n = monodromy%states
       period = 2*pi*motion%eta/frequency_ratio/motion%repeats
       cycle = 2*pi/(frequency_ratio*highest_order(motion%system))
@@ -94,7 +98,8 @@ contains
          if (.not. time < period) change = 0
          growth = growth_type(rate=rate, error=maxval(change) + neutral/time, time=time)
          growth%sure = confirmed .and. abs(rate) > surely*growth%error .and. .not. time < min(beat, period)
-         if (growth%sure .or. ieee_is_nan(rate) .or. rough .and. cycles >= rough_cycles) exit
+         if (growth%sure .or. ieee_is_nan(rate) .or. cycles >= merge(rough_cycles, most_cycles, rough)) exit
+         if (growth%error < small .and. .not. time < beat) exit
          cycles = 2*cycles
       end do
    end subroutine find_growth

@@ -15,7 +15,7 @@ module geartrain_floquet_monodromy
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
-   public :: monodromy_type
+   public :: has_all_multipliers, monodromy_type
 
    !> Largest error of the determinant before a matrix is integrated again with shorter steps, and how often that is done: after
    !> the last the multipliers are not confirmed.
@@ -86,7 +86,7 @@ contains
 
       self%states = 2*system%coordinates
       allocate (self%now(system%meshes))
-      whole = self%states < many_states
+      whole = has_all_multipliers(system)
       if (present(all_of_them)) whole = whole .or. all_of_them
       self%given = system%states
       self%kept = [(i, i=1, system%displacements), (system%coordinates + i, i=1, system%coordinates)]
@@ -94,6 +94,13 @@ contains
       self%given = leading
       call self%search%setup(system)
    end subroutine setup
+
+   !> Whether a train has so few states that all multipliers are found, by the matrix.
+   pure logical function has_all_multipliers(system)
+      type(system_type), intent(in) :: system
+
+      has_all_multipliers = 2*system%coordinates < many_states
+   end function has_all_multipliers
 
    subroutine prepare_matrix(self, system)
       class(monodromy_type), intent(inout) :: self

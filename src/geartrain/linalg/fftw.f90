@@ -8,16 +8,26 @@ module geartrain_linalg_fftw
 
    integer(c_int), parameter :: fftw_estimate = 64
 
-   !> Real transforms of one length, without scaling: `to_samples` sums coefficients, `to_coefficients` sums samples. Each direction
-   !> is planned once, where it is first used: to plan takes FFTW as long as many transforms.
+   !> Other lengths whose plans are kept: to plan anew takes FFTW as long as several transforms.
+   integer, parameter :: most_kept = 6
+
+   !> Plans and memory of one length; 0: none.
+   type :: plan_type
+      integer :: samples = 0
+      type(c_ptr) :: forward = c_null_ptr, backward = c_null_ptr
+      type(c_ptr) :: sample_memory = c_null_ptr, coefficient_memory = c_null_ptr
+   end type plan_type
+
+   !> Real transforms of one length at a time, without scaling: `to_samples` sums coefficients, `to_coefficients` sums samples. Each
+   !> direction is planned once, where it is first used.
    type :: transform_type
       !> Number of samples; 0: not planned.
       integer :: samples = 0
       !> Samples, (samples); coefficients 0 .. samples/2, (samples/2 + 1).
       real(c_double), pointer, contiguous :: sample(:) => null()
       complex(c_double_complex), pointer, contiguous :: coefficient(:) => null()
-      type(c_ptr), private :: forward = c_null_ptr, backward = c_null_ptr
-      type(c_ptr), private :: sample_memory = c_null_ptr, coefficient_memory = c_null_ptr
+      !> The present length, and those before, the latest first.
+      type(plan_type), private :: now, kept(most_kept)
    contains
       procedure :: plan
       procedure :: to_samples
@@ -84,16 +94,28 @@ contains
       class(transform_type), intent(inout) :: self
       !> Number of samples, at least 1.
       integer, intent(in) :: samples
+      type(plan_type) :: other
+      integer :: place
 
       if (self%samples == samples) return
-      call release(self)
+      place = findloc(self%kept%samples, samples, 1)
+      if (place > 0) then
+         other = self%kept(place)
+      else
+         place = most_kept
+         call release(self%kept(place))
+         other%samples = samples
+         !$omp critical (fftw_planner)
+         other%sample_memory = fftw_malloc(int(8, c_size_t)*samples)
+         other%coefficient_memory = fftw_malloc(int(16, c_size_t)*(samples/2 + 1))
+         !$omp end critical (fftw_planner)
+      end if
+      self%kept(2:place) = self%kept(:place - 1)
+      self%kept(1) = self%now
+      self%now = other
       self%samples = samples
-      !$omp critical (fftw_planner)
-      self%sample_memory = fftw_malloc(int(8, c_size_t)*samples)
-      self%coefficient_memory = fftw_malloc(int(16, c_size_t)*(samples/2 + 1))
-      !$omp end critical (fftw_planner)
-      call c_f_pointer(self%sample_memory, self%sample, [samples])
-      call c_f_pointer(self%coefficient_memory, self%coefficient, [samples/2 + 1])
+      call c_f_pointer(other%sample_memory, self%sample, [samples])
+      call c_f_pointer(other%coefficient_memory, self%coefficient, [samples/2 + 1])
    end subroutine plan
 
    !> sample(q) = sum over k = -samples/2 .. samples/2 of coefficient(|k|) exp(2 pi i k (q-1)/samples); destroys
@@ -101,50 +123,52 @@ contains
    subroutine to_samples(self)
       class(transform_type), intent(inout) :: self
 
-      if (.not. c_associated(self%backward)) then
+      if (.not. c_associated(self%now%backward)) then
          ! A plan by estimates leaves the arrays as they are.
          !$omp critical (fftw_planner)
-         self%backward = fftw_plan_dft_c2r_1d(int(self%samples, c_int), self%coefficient, self%sample, fftw_estimate)
+         self%now%backward = fftw_plan_dft_c2r_1d(int(self%samples, c_int), self%coefficient, self%sample, fftw_estimate)
          !$omp end critical (fftw_planner)
       end if
-      call fftw_execute_dft_c2r(self%backward, self%coefficient, self%sample)
+      call fftw_execute_dft_c2r(self%now%backward, self%coefficient, self%sample)
    end subroutine to_samples
 
    !> coefficient(k+1) = sum over q of sample(q) exp(-2 pi i k (q-1)/samples).
    subroutine to_coefficients(self)
       class(transform_type), intent(inout) :: self
 
-      if (.not. c_associated(self%forward)) then
+      if (.not. c_associated(self%now%forward)) then
          !$omp critical (fftw_planner)
-         self%forward = fftw_plan_dft_r2c_1d(int(self%samples, c_int), self%sample, self%coefficient, fftw_estimate)
+         self%now%forward = fftw_plan_dft_r2c_1d(int(self%samples, c_int), self%sample, self%coefficient, fftw_estimate)
          !$omp end critical (fftw_planner)
       end if
-      call fftw_execute_dft_r2c(self%forward, self%sample, self%coefficient)
+      call fftw_execute_dft_r2c(self%now%forward, self%sample, self%coefficient)
    end subroutine to_coefficients
 
-   !> Frees plans and memory.
-   subroutine release(self)
-      class(transform_type), intent(inout) :: self
+   !> Frees plans and memory of one length.
+   subroutine release(plan)
+      type(plan_type), intent(inout) :: plan
 
+      if (plan%samples == 0) return
       !$omp critical (fftw_planner)
-      if (c_associated(self%forward)) call fftw_destroy_plan(self%forward)
-      if (c_associated(self%backward)) call fftw_destroy_plan(self%backward)
-      if (c_associated(self%sample_memory)) call fftw_free(self%sample_memory)
-      if (c_associated(self%coefficient_memory)) call fftw_free(self%coefficient_memory)
+      if (c_associated(plan%forward)) call fftw_destroy_plan(plan%forward)
+      if (c_associated(plan%backward)) call fftw_destroy_plan(plan%backward)
+      call fftw_free(plan%sample_memory)
+      call fftw_free(plan%coefficient_memory)
       !$omp end critical (fftw_planner)
-      self%forward = c_null_ptr
-      self%backward = c_null_ptr
-      self%sample_memory = c_null_ptr
-      self%coefficient_memory = c_null_ptr
-      nullify (self%sample, self%coefficient)
-      self%samples = 0
+      plan = plan_type()
    end subroutine release
 
    !> Finalizer; a `transform_type` must not be copied by assignment, which would free plans and memory twice.
    subroutine destroy(self)
       type(transform_type), intent(inout) :: self
+      integer :: i
 
-      call release(self)
+      call release(self%now)
+      do i = 1, most_kept
+         call release(self%kept(i))
+      end do
+      self%samples = 0
+      nullify (self%sample, self%coefficient)
    end subroutine destroy
 
 end module geartrain_linalg_fftw

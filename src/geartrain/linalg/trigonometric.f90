@@ -124,8 +124,8 @@ contains
       integer, intent(in) :: harmonic(:)
       real(dp), intent(inout) :: p, slope, curvature
       real(dp), intent(inout), optional :: third
-      complex(dp) :: power, term, low(0:span - 1), middle(0:min(span - 1, harmonic(size(harmonic))/span)), &
-                     high(0:harmonic(size(harmonic))/span**2)
+      complex(dp) :: power, term, low(0:span - 1), middle(0:min(span - 1, maxval(harmonic)/span)), &
+                     high(0:maxval(harmonic)/span**2)
       real(dp) :: h
       integer :: k
 

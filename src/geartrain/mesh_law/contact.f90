@@ -8,13 +8,13 @@ module geartrain_mesh_law_contact
    use geartrain_linalg_trigonometric, only: evaluate, sample
    use geartrain_mesh_law_law, only: law_type
    use geartrain_mesh_law_spectra, only: find_spectra, spectra_type
+   use geartrain_mesh_law_wall_crossing, only: crossing, turning
    implicit none (type, external)
    private
-   public :: contact_type
+   public :: contact_type, most_polished
 
-   !> Samples above which events are found between them by the samples alone: of motions of more than 500
-   !> harmonics.
-   integer, parameter :: many_samples = 4096
+   !> Harmonics up to which the crossings found among samples are polished: those of more are found by the samples alone.
+   integer, parameter :: most_polished = 512
 
    type :: contact_type
       !> Force law of the mesh.
@@ -50,8 +50,9 @@ module geartrain_mesh_law_contact
       procedure :: extend
       procedure :: shares
       procedure :: clearance
+      procedure :: keeps_distance
       procedure :: contact_at
-      procedure, private :: keep_distance
+      procedure, private :: find_margin
       procedure, private :: find_events
       procedure, private :: sampled_spectra
    end type contact_type
@@ -88,25 +89,28 @@ contains
    end subroutine setup
 
    !> Finds events and spectra of a motion.
-   subroutine update(self, u, fine)
+   subroutine update(self, u, fine, events_only)
       class(contact_type), intent(inout) :: self
       !> Coefficients of the mesh displacement over b_c [1], (coefficient): mean, cos, sin, ... of each harmonic.
       real(dp), intent(in) :: u(:)
       !> Plan of `fine_samples` of the highest harmonic, work space shared by all meshes.
       type(transform_type), intent(inout) :: fine
+      !> No spectra are wanted; absent: they are.
+      logical, intent(in), optional :: events_only
 
       if (.not. self%kept) then
          self%events = 0
          self%first_contact = 1
       end if
       if (self%law%highest > self%law%lowest .and. .not. self%kept) then
-         call self%keep_distance(u)
+         call self%find_margin(u)
          if (.not. (self%exact .and. self%margin > 0)) call self%find_events(u, fine)
          if (.not. self%exact) then
             call self%sampled_spectra(u)
             return
          end if
       end if
+      if (present(events_only)) return
       associate (n => self%events)
          call find_spectra(self%law, self%eta, self%first_contact, self%instant(:n), self%contact(:n), self%spectra)
       end associate
@@ -218,10 +222,17 @@ contains
       end do
    end function clearance
 
+   !> Whether p keeps away from all walls, by its amplitudes, at the latest `update`.
+   elemental logical function keeps_distance(self)
+      class(contact_type), intent(in) :: self
+
+      keeps_distance = self%margin > 0 .or. self%law%highest == self%law%lowest
+   end function keeps_distance
+
    !> Sets `margin` and the region where the sum of all amplitudes does not take p to a wall: of hunting teeth that saves a hundred
    !> thousand samples. The distance left is `far_off` of the amplitudes at least, beside which any error that an estimate is
    !> trusted with is small.
-   subroutine keep_distance(self, u)
+   subroutine find_margin(self, u)
       class(contact_type), intent(inout) :: self
       real(dp), intent(in) :: u(:)
       real(dp), parameter :: far_off = 0.3_dp
@@ -235,7 +246,7 @@ contains
       self%margin = minval(abs(u(1) - self%law%wall)) - reach
       if (.not. self%margin > far_off*reach) self%margin = 0
       if (self%margin > 0) self%first_contact = self%law%region_at(u(1))
-   end subroutine keep_distance
+   end subroutine find_margin
 
    !> Finds the crossings of the walls: samples bracket them, Newton's method polishes them. Where the motion turns back towards a
    !> wall between two samples on one side of the wall, the extreme decides whether the wall is crossed twice.
@@ -278,20 +289,20 @@ contains
             f0 = side*(self%p(q) - wall)
             f1 = side*(self%p(next) - wall)
             if ((f0 > 0) .neqv. (f1 > 0)) then
-               if (fine%samples > many_samples) then
+               if (size(self%harmonic) > most_polished) then
                   turn = (q - 1 + root_at(self, wall, q))*spacing
                else
-                  turn = crossing(self, u, wall, (q - 1)*spacing, q*spacing, [self%p(q), self%p(next)] - wall, &
+                  turn = crossing(u, self%harmonic, wall, (q - 1)*spacing, q*spacing, [self%p(q), self%p(next)] - wall, &
                                   [self%slope(q), self%slope(next)])
                end if
                call add_event(self, turn, merge(beyond, inside, f1 > 0), first)
             else if (abs(f0) < spacing*abs(self%slope(q)) .and. abs(f1) < spacing*abs(self%slope(next)) .and. &
                      (self%p(q) - wall)*self%slope(q) < 0 .and. (self%p(q) - wall)*self%slope(next) > 0) then
-               call turning(self, u, wall, (q - 1)*spacing, q*spacing, turn, f_turn)
+               call turning(u, self%harmonic, wall, (q - 1)*spacing, q*spacing, turn, f_turn)
                if ((side*f_turn > 0) .eqv. (f0 > 0)) cycle
-               call add_event(self, crossing(self, u, wall, (q - 1)*spacing, turn, [self%p(q) - wall, f_turn], &
+               call add_event(self, crossing(u, self%harmonic, wall, (q - 1)*spacing, turn, [self%p(q) - wall, f_turn], &
                                              [self%slope(q), 0.0_dp]), merge(inside, beyond, f0 > 0), first)
-               call add_event(self, crossing(self, u, wall, turn, q*spacing, [f_turn, self%p(next) - wall], &
+               call add_event(self, crossing(u, self%harmonic, wall, turn, q*spacing, [f_turn, self%p(next) - wall], &
                                              [0.0_dp, self%slope(next)]), merge(beyond, inside, f0 > 0), first)
             end if
          end do
@@ -339,77 +350,6 @@ contains
       around = [(modulo(q + i - 1, size(self%p)) + 1, i=-2, 3)]
       root_at = sampled_root(self%p(around) - wall, self%slope(around)*(2*pi/size(self%p)))
    end function root_at
-
-   !> Root of p - wall in [left, right] by Newton's method, kept in the bracket by bisection, from the root of the cubic with the
-   !> values `f` of p - wall and the slopes at both ends. The values have different signs.
-   pure real(dp) function crossing(self, u, wall, left, right, f, slopes) result(theta)
-      class(contact_type), intent(in) :: self
-      real(dp), intent(in) :: u(:), wall, left, right, f(2), slopes(2)
-      real(dp) :: a, b, p, slope, curvature, new
-      integer :: i
-
-      a = left
-      b = right
-      theta = left + (right - left)*cubic_root(f, (right - left)*slopes)
-      do i = 1, 60
-         call evaluate(u, self%harmonic, theta, p, slope, curvature)
-         if ((p - wall > 0) .eqv. (f(1) > 0)) then
-            a = theta
-         else
-            b = theta
-         end if
-         new = (a + b)/2
-         if (abs(slope)*(b - a) > abs(p - wall)) new = theta - (p - wall)/slope
-         if (new < a .or. new > b) new = (a + b)/2
-         if (abs(new - theta) < 4e-15_dp*(1 + abs(theta))) exit
-         theta = new
-      end do
-   end function crossing
-
-   !> Approximate root in [0, 1] of the cubic that has values of different signs, and slopes, at 0 and 1.
-   pure real(dp) function cubic_root(f, slopes) result(x)
-      real(dp), intent(in) :: f(2), slopes(2)
-      real(dp) :: value, slope, second, third
-      integer :: i
-
-      second = 3*(f(2) - f(1)) - 2*slopes(1) - slopes(2)
-      third = slopes(1) + slopes(2) - 2*(f(2) - f(1))
-      x = f(1)/(f(1) - f(2))
-      do i = 1, 3
-         value = f(1) + x*(slopes(1) + x*(second + x*third))
-         slope = slopes(1) + x*(2*second + 3*x*third)
-         if (.not. abs(slope) > abs(value)) return
-         x = min(max(x - value/slope, 0.0_dp), 1.0_dp)
-      end do
-   end function cubic_root
-
-   !> Finds the extreme of p in [left, right], at whose ends the slope has different signs, and p - wall at the extreme.
-   pure subroutine turning(self, u, wall, left, right, theta, f)
-      class(contact_type), intent(in) :: self
-      real(dp), intent(in) :: u(:), wall, left, right
-      real(dp), intent(out) :: theta, f
-      real(dp) :: a, b, p, slope, curvature, slope_left, new
-      integer :: i
-
-      a = left
-      b = right
-      call evaluate(u, self%harmonic, a, p, slope_left, curvature)
-      theta = (a + b)/2
-      do i = 1, 60
-         call evaluate(u, self%harmonic, theta, p, slope, curvature)
-         f = p - wall
-         if ((slope > 0) .eqv. (slope_left > 0)) then
-            a = theta
-         else
-            b = theta
-         end if
-         new = (a + b)/2
-         if (abs(curvature)*(b - a) > abs(slope)) new = theta - slope/curvature
-         if (new < a .or. new > b) new = (a + b)/2
-         if (abs(new - theta) < 1e-12_dp) exit
-         theta = new
-      end do
-   end subroutine turning
 
    !> Computes the spectra by the sampled DFT of the paper.
    subroutine sampled_spectra(self, u)

@@ -6,14 +6,18 @@ module geartrain_trace_adaptive_corrector
    use geartrain_balance_error_estimate, only: error_estimate_type, find_error_estimate, harmonics_for
    use geartrain_balance_harmonic_set, only: next_set
    use geartrain_balance_tail_harmonics, only: resonance_ratio
+   use geartrain_balance_winding, only: find_winding, winding_type
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
+   use geartrain_floquet_monodromy, only: has_all_multipliers
    use geartrain_trace_branch, only: response_settings_type
    use geartrain_trace_corrector, only: corrector_type, solution_point_type
    use geartrain_trace_readings_at, only: weigh_readings
    use geartrain_trace_step_geometry, only: sense_of
    use geartrain_network_units, only: largest_drive
    use geartrain_linalg_trigonometric, only: transform_length
+   use geartrain_network_excitation, only: highest_order
+   use geartrain_network_long_period, only: long_period
    use geartrain_network_natural_modes, only: natural_frequency_ranges
    use geartrain_network_system, only: system_type
    implicit none (type, external)
@@ -35,6 +39,11 @@ module geartrain_trace_adaptive_corrector
    !> Most harmonics of a set where teeth part in a long period: the motion has thousands of nearly equal amplitudes there, and a
    !> point would take a minute with them.
    integer, parameter :: largest_set_parting = 160
+   !> Weight of the first winding that is tried; weight of a longer one over it.
+   integer, parameter :: least_weight = 12
+   real(dp), parameter :: longer = 1.25_dp
+   !> Error by the shorter winding over the tolerance above which it is too short; accuracy of this error [1].
+   real(dp), parameter :: winding_share = 0.2_dp, rough = 0.1_dp
 
    type :: adaptive_corrector_type
       !> Settings that the branch is traced with.
@@ -51,13 +60,19 @@ module geartrain_trace_adaptive_corrector
       logical :: shows = .true.
       !> Carried are sets of harmonics, see geartrain_balance_harmonic_set.
       logical :: chooses_sets = .false.
-      !> The balance with exact coefficients, for the error of sampled ones; not set up where they are exact anyway.
+      !> The balance with exact coefficients, for the error of sampled ones, or on a longer winding, for that of a shorter one; not
+      !> set up where they are exact anyway.
       type(balance_type), private :: exact
+      !> The shorter and the longer winding, and the weight of the shorter.
+      type(winding_type), private :: winding(2)
+      integer, private :: weight = least_weight
+      !> Error of the latest solution point by the shorter winding, relative to the motion [1].
+      real(dp), private :: off_winding = 0
       !> Evaluations of the balance at the latest error estimate; -1: none yet.
       integer, private :: estimated = -1
    contains
       procedure :: prepare, estimate_error, adapt, relax, tell_trouble, vanishes
-      procedure, private :: solve_again
+      procedure, private :: solve_again, winds, take_windings
       procedure, private :: largest
    end type adaptive_corrector_type
 
@@ -87,7 +102,12 @@ contains
       chosen = self%chooses_sets .and. present(set)
       associate (own => self%settings)
          if (chosen) then
-            call self%corrector%balance%setup(system, harmonics, own%subharmonic, samples, set, own%repeats)
+            if (self%winds(set)) then
+               call self%corrector%balance%setup(system, harmonics, own%subharmonic, samples, set, own%repeats, self%winding(1))
+               call self%exact%setup(system, harmonics, own%subharmonic, samples, set, own%repeats, self%winding(2))
+            else
+               call self%corrector%balance%setup(system, harmonics, own%subharmonic, samples, set, own%repeats)
+            end if
          else
             call self%corrector%balance%setup(system, harmonics, own%subharmonic, samples, repeats=own%repeats)
          end if
@@ -99,11 +119,49 @@ contains
       self%corrector%local_control = self%settings%control == 'local'
    end subroutine prepare
 
+   !> Whether the contacts of a set of harmonics are found on a winding: of a long period where only motions that are recorded need
+   !> the contacts over the period, and where all harmonics have places.
+   logical function winds(self, set)
+      class(adaptive_corrector_type), intent(inout) :: self
+      integer, intent(in) :: set(:)
+      integer :: i
+
+      winds = .false.
+      associate (own => self%settings, system => self%system)
+         if (own%coefficients == 'sampled' .or. allocated(self%corrector%balance%path) .or. own%subharmonic > 1) return
+         if (own%multipliers .or. .not. has_all_multipliers(system)) return
+         if (.not. highest_order(system) > long_period*system%excitation_order) return
+      end associate
+      do
+         call self%take_windings()
+         winds = all([(self%winding(i)%cycles > 0, i=1, 2)])
+         if (.not. winds) return
+         winds = all(self%winding(1)%place_of(set) > 0) .and. all(self%winding(2)%place_of(set) > 0)
+         if (winds) return
+         self%weight = nint(longer*self%weight)
+      end do
+   end function winds
+
+   !> Finds the windings of the present weight and of a higher one, unless they are known.
+   subroutine take_windings(self)
+      class(adaptive_corrector_type), intent(inout) :: self
+      integer :: i
+
+      do i = 1, 2
+         associate (weight => nint(self%weight*longer**(i - 1)))
+            if (self%winding(i)%weight /= weight) call find_winding(self%system, weight, self%winding(i))
+            self%winding(i)%weight = weight
+         end associate
+      end do
+   end subroutine take_windings
+
    !> Estimates the error of the solution point that `corrector` worked on last, unless it is known already.
    subroutine estimate_error(self, solution)
       class(adaptive_corrector_type), intent(inout) :: self
       !> Solution point with its tangent.
       type(solution_point_type), intent(in) :: solution
+      real(dp), allocatable :: off(:, :)
+      real(dp) :: y
 
       if (self%estimated == self%corrector%evaluations) return
       self%estimated = self%corrector%evaluations
@@ -115,8 +173,19 @@ contains
                                      c%units%frequency_ratio, c%matrix, self%estimate, self%exact%residual)
             if (self%shows) call weigh_readings(self%exact, s%u, self%settings%shaft_torque, self%estimate)
          else
-            call find_error_estimate(c%balance, s%u, c%balance%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
-                                     c%units%frequency_ratio, c%matrix, self%estimate)
+            self%off_winding = 0
+            if (c%balance%is_wound() .and. .not. c%balance%keeps_distance()) then
+               call self%exact%evaluate(s%u, s%frequency_ratio)
+               off = -self%exact%residual
+               y = 0
+               call c%matrix%solve(c%balance, off, y, rough)
+               self%off_winding = norm2(off(2:, :))/max(norm2(s%u(2:, :)), tiny(1.0_dp))
+               call find_error_estimate(c%balance, s%u, c%balance%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
+                                        c%units%frequency_ratio, c%matrix, self%estimate, self%exact%residual)
+            else
+               call find_error_estimate(c%balance, s%u, c%balance%frequency_ratio, s%tangent, s%tangent_frequency, self%curvature, &
+                                        c%units%frequency_ratio, c%matrix, self%estimate)
+            end if
             if (self%shows) call weigh_readings(c%balance, s%u, self%settings%shaft_torque, self%estimate)
          end if
       end associate
@@ -158,7 +227,11 @@ contains
          call self%estimate_error(solution)
          highest = self%corrector%balance%highest
          if (self%estimate%limited <= self%settings%tolerance) return
-         if (self%chooses_sets) then
+         if (self%corrector%balance%is_wound() .and. self%off_winding > winding_share*self%settings%tolerance) then
+            self%weight = nint(longer*self%weight)
+            larger = self%corrector%balance%harmonic
+            call self%prepare(highest, larger)
+         else if (self%chooses_sets) then
             share = set_share*self%settings%tolerance/self%estimate%limited
             associate (now => size(self%corrector%balance%harmonic), most => self%largest())
                ! A set made where no teeth part may be larger.

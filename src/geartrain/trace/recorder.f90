@@ -9,6 +9,7 @@ module geartrain_trace_recorder
    use geartrain_balance_coupling_loss, only: find_coupling_losses
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: are_numbers, is_stable, power
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
@@ -115,10 +116,12 @@ contains
    end subroutine begin_branch
 
    !> Appends a point.
-   subroutine add(self, balance, solution, estimate, segment, branch)
+   subroutine add(self, balance, motion, solution, estimate, segment, branch)
       class(recorder_type), intent(inout) :: self
       !> The balance, last evaluated at `solution`.
       type(balance_type), intent(in) :: balance
+      !> Contacts of the point over its period: the balance, unless it has those of a winding.
+      class(motion_contacts_type), intent(in) :: motion
       !> The point.
       type(solution_point_type), intent(in) :: solution
       !> Error estimate of the point.
@@ -170,10 +173,10 @@ contains
          associate (law => balance%system%law(j), load => branch%mesh_load(j, n), place => findloc(balance%mesh, j, 1))
             if (law%highest > law%lowest .and. any(balance%system%torque_paths%alone == j)) then
                call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
-                                     self%transform, load, balance%contact(place), ends(:, j))
+                                     self%transform, load, motion%contact(place), ends(:, j))
             else if (law%peaks) then
                call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
-                                     self%transform, load, balance%contact(place))
+                                     self%transform, load, motion%contact(place))
             else
                call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
                                      self%transform, load)
@@ -184,7 +187,7 @@ contains
       end do
       do j = 1, balance%unknowns
          associate (load => branch%mesh_load(balance%mesh(j), n))
-            call balance%contact(j)%shares(load%separation, load%back_contact)
+            call motion%contact(j)%shares(load%separation, load%back_contact)
          end associate
       end do
       if (self%shaft_torque) call put_torques(self, balance, n, ends, branch)
@@ -194,16 +197,16 @@ contains
       if (self%stability) then
          call system_clock(began, rate)
          if (branch%states == 0) then
-            call assess_growth(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, assessment)
+            call assess_growth(self%monodromy, balance, motion, solution%u, balance%frequency_ratio, estimate, assessment)
          else
-            call self%monodromy%integrate(balance, balance%frequency_ratio, verdict=.not. self%to_their_digits)
+            call self%monodromy%integrate(motion, balance%frequency_ratio, verdict=.not. self%to_their_digits)
             call self%monodromy%multipliers(self%multipliers)
             branch%multipliers(:, n) = self%multipliers
             if (balance%repeats > 1) then
                branch%repetition_multipliers(:, n) = self%multipliers
                branch%multipliers(:, n) = power(self%multipliers, balance%repeats)
             end if
-            call assess(self%monodromy, balance, solution%u, balance%frequency_ratio, estimate, self%multipliers, &
+            call assess(self%monodromy, balance, motion, solution%u, balance%frequency_ratio, estimate, self%multipliers, &
                         .not. self%to_their_digits, assessment)
          end if
          branch%growth_rate(n) = assessment%growth_rate*balance%system%characteristic_frequency

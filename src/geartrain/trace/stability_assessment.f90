@@ -9,9 +9,11 @@ module geartrain_trace_stability_assessment
    use geartrain_base_kinds, only: dp, pi
    use geartrain_floquet_growth, only: find_growth, growth_type, shifted_rate
    use geartrain_floquet_monodromy, only: monodromy_type
+   use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: is_neutral, is_stable, neutral
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: evaluate
+   use geartrain_mesh_law_contact, only: contact_type
    implicit none (type, external)
    private
    public :: assess, assess_growth, assessment_type
@@ -47,11 +49,13 @@ module geartrain_trace_stability_assessment
 contains
 
    !> Assesses the stability of a motion.
-   subroutine assess(monodromy, balance, u, frequency_ratio, estimate, multipliers, verdict, assessment)
+   subroutine assess(monodromy, balance, motion, u, frequency_ratio, estimate, multipliers, verdict, assessment)
       !> Monodromy matrix of the motion; afterwards, where a second estimate is needed, of the corrected motion.
       type(monodromy_type), intent(inout) :: monodromy
       !> Balance last evaluated at the motion.
       type(balance_type), intent(in) :: balance
+      !> Contacts of the motion over its period.
+      class(motion_contacts_type), intent(in) :: motion
       !> Coefficients of the unknown meshes [1], (block, unknown), and Lambda [1].
       real(dp), intent(in) :: u(:, :), frequency_ratio
       !> Error estimate of the motion.
@@ -80,18 +84,18 @@ contains
       assessment%count_undecided = assessment%undecided .or. more
       if (.not. (abs(multipliers(1)) <= huge(1.0_dp) .or. monodromy%is_partial())) then
          ! Over a long period they leave the range of numbers; the rate does not.
-         call find_growth(monodromy, balance, frequency_ratio, growth)
+         call find_growth(monodromy, motion, frequency_ratio, growth)
          assessment%growth_rate = growth%rate
          return
       end if
-      if (assessment%undecided .or. .not. any(balance%contact%events > 0)) return
-      shift = shifts(balance, u, estimate, 2*pi)
+      if (assessment%undecided .or. .not. any(motion%contact%events > 0)) return
+      shift = shifts(balance, motion, u, estimate, 2*pi)
       first = abs(multipliers)
       moved = norm2(shift)/frequency_ratio*first(1)
       ! Multipliers that stay on the circle, as of a mode without damping, are never outside.
       unsure = abs(first - 1) < sensitivity*moved .and. abs(first - 1) > neutral
       if (.not. (unsure(1) .or. any(unsure .and. abs(first - 1) < usual*moved))) return
-      call monodromy%integrate(balance, frequency_ratio, shift, verdict)
+      call monodromy%integrate(motion, frequency_ratio, shift, verdict)
       call monodromy%multipliers(corrected)
       second = abs(corrected)
       assessment%second = second(1)
@@ -102,11 +106,13 @@ contains
    end subroutine assess
 
    !> Assesses the stability of a motion of long period, by its growth rate over a part of it.
-   subroutine assess_growth(monodromy, balance, u, frequency_ratio, estimate, assessment)
+   subroutine assess_growth(monodromy, balance, motion, u, frequency_ratio, estimate, assessment)
       !> Work space, set up for the train.
       type(monodromy_type), intent(inout) :: monodromy
       !> Balance last evaluated at the motion.
       type(balance_type), intent(in) :: balance
+      !> Contacts of the motion over its period.
+      class(motion_contacts_type), intent(in) :: motion
       !> Coefficients of the unknown meshes [1], (block, unknown), and Lambda [1].
       real(dp), intent(in) :: u(:, :), frequency_ratio
       !> Error estimate of the motion.
@@ -119,16 +125,16 @@ contains
       logical :: doubtful
 
       doubtful = estimate%doubtful .or. estimate%relative > largest_error
-      call find_growth(monodromy, balance, frequency_ratio, growth, roughly=doubtful)
+      call find_growth(monodromy, motion, frequency_ratio, growth, roughly=doubtful)
       assessment%growth_rate = growth%rate
       assessment%stable = growth%rate < -growth%error
       assessment%undecided = .not. growth%sure .or. doubtful
-      if (.not. assessment%undecided .and. any(balance%contact%events > 0)) then
+      if (.not. assessment%undecided .and. any(motion%contact%events > 0)) then
          theta = growth%time*frequency_ratio/balance%eta
-         shift = shifts(balance, u, estimate, theta)
+         shift = shifts(balance, motion, u, estimate, theta)
          moved = norm2(shift)/frequency_ratio
          if (abs(growth%rate)*growth%time < sensitivity*moved) then
-            other = shifted_rate(monodromy, balance, frequency_ratio, growth, shift)
+            other = shifted_rate(monodromy, motion, frequency_ratio, growth, shift)
             assessment%undecided = .not. abs(growth%rate) > surely*(abs(other - growth%rate) + growth%error)
          end if
       end if
@@ -136,24 +142,26 @@ contains
    end subroutine assess_growth
 
    !> Shifts of the contact events up to an instant by the error of the waveform [rad], (event, unknown mesh).
-   function shifts(balance, u, estimate, last)
+   function shifts(balance, motion, u, estimate, last)
       type(balance_type), intent(in) :: balance
+      class(motion_contacts_type), intent(in) :: motion
       real(dp), intent(in) :: u(:, :), last
       type(error_estimate_type), intent(in) :: estimate
       real(dp), allocatable :: shifts(:, :)
       type(transform_type) :: transform
       integer :: i
 
-      allocate (shifts(maxval(balance%contact%events), balance%unknowns), source=0.0_dp)
+      allocate (shifts(maxval(motion%contact%events), balance%unknowns), source=0.0_dp)
       do i = 1, balance%unknowns
-         call find_shift(balance, i, u(:, i), estimate, last, transform, shifts(:, i))
+         call find_shift(balance, motion%contact(i), i, u(:, i), estimate, last, transform, shifts(:, i))
       end do
    end function shifts
 
    !> Shift of the contact events of unknown mesh i up to an instant by the error of the waveform [rad], (event): to the nearer root
    !> of the parabola of the corrected motion, or to its extreme where the corrected motion misses the wall.
-   subroutine find_shift(balance, i, u, estimate, last, transform, shift)
+   subroutine find_shift(balance, contact, i, u, estimate, last, transform, shift)
       type(balance_type), intent(in) :: balance
+      type(contact_type), intent(in) :: contact
       integer, intent(in) :: i
       real(dp), intent(in) :: u(:), last
       type(error_estimate_type), intent(in) :: estimate
@@ -166,31 +174,29 @@ contains
       shift = 0
       least = 0
       ! A hunting train has thousands of events, and of harmonics of the error.
-      sampled = count(balance%contact(i)%instant(:balance%contact(i)%events) <= last) > many_events
+      sampled = count(contact%instant(:contact%events) <= last) > many_events
       if (sampled) call estimate%sample_error(balance, i, transform)
-      associate (contact => balance%contact(i))
-         do k = 1, contact%events
-            if (contact%instant(k) > last) exit
-            call evaluate(u, balance%harmonic, contact%instant(k), p, slope, curvature)
-            if (sampled) then
-               place = contact%instant(k)/(2*pi)*transform%samples
-               n = int(place)
-               error = transform%sample(modulo(n, transform%samples) + 1)
-               error = error + (place - n)*(transform%sample(modulo(n + 1, transform%samples) + 1) - error)
-            else
-               error = estimate%waveform_error(balance, i, contact%instant(k))
-            end if
-            inside = slope**2 - 2*curvature*error
-            if (inside > 0) then
-               shift(k) = -2*error/(slope + sign(sqrt(inside), slope))
-            else
-               shift(k) = -slope/curvature
-            end if
-            ! The events of a mesh keep their order, and stay within the period.
-            shift(k) = min(max(contact%instant(k) + shift(k), least), 2*pi) - contact%instant(k)
-            least = contact%instant(k) + shift(k)
-         end do
-      end associate
+      do k = 1, contact%events
+         if (contact%instant(k) > last) exit
+         call evaluate(u, balance%harmonic, contact%instant(k), p, slope, curvature)
+         if (sampled) then
+            place = contact%instant(k)/(2*pi)*transform%samples
+            n = int(place)
+            error = transform%sample(modulo(n, transform%samples) + 1)
+            error = error + (place - n)*(transform%sample(modulo(n + 1, transform%samples) + 1) - error)
+         else
+            error = estimate%waveform_error(balance, i, contact%instant(k))
+         end if
+         inside = slope**2 - 2*curvature*error
+         if (inside > 0) then
+            shift(k) = -2*error/(slope + sign(sqrt(inside), slope))
+         else
+            shift(k) = -slope/curvature
+         end if
+         ! The events of a mesh keep their order, and stay within the period.
+         shift(k) = min(max(contact%instant(k) + shift(k), least), 2*pi) - contact%instant(k)
+         least = contact%instant(k) + shift(k)
+      end do
    end subroutine find_shift
 
 end module geartrain_trace_stability_assessment

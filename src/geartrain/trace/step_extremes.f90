@@ -31,6 +31,9 @@ module geartrain_trace_step_extremes
    real(dp), parameter :: least_height = 1e-6_dp
    !> Change of an rms over a step by its slopes at the ends, over the rms: less is rounding, in which there is no maximum to find.
    real(dp), parameter :: constant = 1e-9_dp
+   !> Distance of the mean from the edge of the gap over the sum of the amplitudes above which that sum bounds the depth of a mesh,
+   !> where the period is long: without samples of all its cycles.
+   real(dp), parameter :: far_off = 1.3_dp
    !> How near a depth comes to 0, over what it varies by in the step, for the balance to be solved there.
    real(dp), parameter :: near = 0.1_dp
    !> Largest distance of a point from the cubic, as a share of the length of the cubic.
@@ -73,6 +76,13 @@ contains
          if (.not. allocated(self%depth)) allocate (self%depth(system%meshes, 2), self%depth_slope(system%meshes, 2))
          do j = 1, system%meshes
             if (.not. self%gap(j) > 0) cycle
+            if (corrector%balance%has_long_period()) then
+               call find_bounds(u(:, j), rate(:, j), extreme, slope)
+               if (abs(u(1, j)) - self%gap(j) > far_off*(extreme(2) - u(1, j))) then
+                  call put(j)
+                  cycle
+               end if
+            end if
             highest = corrector%balance%highest
             if (corrector%balance%chosen) highest = own_resolution(u(:, j), harmonic)
             call transform%plan(fine_samples(highest))
@@ -80,13 +90,43 @@ contains
             do i = 1, 2
                call evaluate(rate(:, j), harmonic, at(i), slope(i), unused(1), unused(2))
             end do
-            self%depth(j, 1) = depth_below(extreme(1), extreme(2), self%gap(j), .false.)
-            self%depth(j, 2) = depth_below(extreme(1), extreme(2), self%gap(j), .true.)
-            self%depth_slope(j, :) = slope(1)
-            if (-self%gap(j) - extreme(2) > extreme(1) - self%gap(j)) self%depth_slope(j, 1) = -slope(2)
+            call put(j)
          end do
       end associate
+
+   contains
+
+      subroutine put(mesh)
+         integer, intent(in) :: mesh
+
+         associate (gap => self%gap(mesh))
+            self%depth(mesh, 1) = depth_below(extreme(1), extreme(2), gap, .false.)
+            self%depth(mesh, 2) = depth_below(extreme(1), extreme(2), gap, .true.)
+            self%depth_slope(mesh, :) = slope(1)
+            if (-gap - extreme(2) > extreme(1) - gap) self%depth_slope(mesh, 1) = -slope(2)
+         end associate
+      end subroutine put
+
    end subroutine find
+
+   !> Bounds of a displacement by the sum of its amplitudes, and their derivatives along the branch: far from all walls they do for
+   !> its extremes.
+   pure subroutine find_bounds(u, rate, bound, slope)
+      !> Coefficients and their derivatives, (1 + 2*harmonics).
+      real(dp), intent(in) :: u(:), rate(:)
+      !> Lower and upper bound, and derivatives.
+      real(dp), intent(out) :: bound(2), slope(2)
+      real(dp) :: amplitude
+      integer :: k
+
+      bound = u(1)
+      slope = rate(1)
+      do k = 2, size(u) - 1, 2
+         amplitude = hypot(u(k), u(k + 1))
+         bound = bound + [-1, 1]*amplitude
+         if (amplitude > 0) slope = slope + [-1, 1]*dot_product(u(k:k + 1), rate(k:k + 1))/amplitude
+      end do
+   end subroutine find_bounds
 
    !> Coefficients of all meshes and their derivatives along the branch, those of linear meshes by a difference.
    subroutine find_rates(corrector, solution, u, rate)

@@ -1,8 +1,10 @@
 !> Steps along a branch, from a solution point to the next, and the points recorded: what a trace is made of.
 module geartrain_trace_stepper
+   use geartrain_balance_whole_contacts, only: find_whole_contacts
    use geartrain_base_kinds, only: dp
    use geartrain_base_numbers, only: text
    use geartrain_base_words, only: operator(//)
+   use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_linalg_cubic, only: share_at
    use geartrain_trace_branch, only: branch_type
    use geartrain_trace_corrector, only: solution_point_type
@@ -41,6 +43,8 @@ module geartrain_trace_stepper
       integer, private :: read_at = -1
       !> Forces and torques where they were looked at latest.
       type(values_type), private :: readings
+      !> Contacts over the period, where those of the balance are of a winding.
+      type(motion_contacts_type), private :: whole
    contains
       procedure, private :: cut_at_other_readings
       procedure :: record, read, keep_equal, cut_step, shown_step, take_step, stop_at, adapt_end, tell_missed
@@ -66,7 +70,14 @@ contains
       arclength = 0
       if (present(from)) arclength = branch%arclength(point) + arc_length(from, solution, self%corrector%units)
       if (self%settings%harmonics == 0 .and. self%estimate%limited > self%settings%tolerance) self%missed = self%missed + 1
-      call self%recorder%add(self%corrector%balance, solution, self%estimate, self%segment, branch)
+      associate (balance => self%corrector%balance)
+         if (balance%is_wound()) then
+            call find_whole_contacts(balance, solution%u, self%recorder%transform, self%whole)
+            call self%recorder%add(balance, self%whole, solution, self%estimate, self%segment, branch)
+         else
+            call self%recorder%add(balance, balance, solution, self%estimate, self%segment, branch)
+         end if
+      end associate
       associate (n => branch%points)
          branch%arclength(n) = arclength
          branch%free_slope(n) = solution%tangent_frequency

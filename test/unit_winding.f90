@@ -1,0 +1,235 @@
+!> The short period on which contacts of long periods are found: places of harmonics, and coefficients against the whole period.
+module unit_winding
+   use fixtures, only: paper_train, update_contact
+   use geartrain, only: dp, train_type
+   use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_whole_contacts, only: find_whole_contacts
+   use geartrain_balance_winding, only: find_winding, winding_type
+   use geartrain_floquet_motion_contacts, only: motion_contacts_type
+   use geartrain_linalg_fftw, only: transform_type
+   use geartrain_mesh_law_contact, only: contact_type
+   use geartrain_mesh_law_law, only: law_type
+   use geartrain_network_system, only: build_system, system_type
+   use testing, only: tests_type
+   implicit none (type, external)
+   private
+   public :: winding_tests
+
+   !> Orders of three planetary stages in line.
+   integer, parameter :: order(3) = [8980, 1573, 277]
+
+contains
+
+   subroutine winding_tests(tests)
+      class(tests_type), intent(inout) :: tests
+
+      if (tests%runs('places')) call places(tests)
+      if (tests%runs('no_winding')) call no_winding(tests)
+      if (tests%runs('coefficients')) call coefficients(tests)
+      if (tests%runs('balance')) call same_balance(tests)
+      if (tests%runs('whole_contacts')) call whole_contacts(tests)
+   end subroutine winding_tests
+
+   !> A train that has no more than the excitation of meshes of these orders, three harmonics each.
+   subroutine build_sources(orders, system)
+      integer, intent(in) :: orders(:)
+      type(system_type), intent(out) :: system
+      integer :: j
+
+      system%meshes = size(orders)
+      system%excitation_order = 1
+      allocate (system%torque(0), system%law(size(orders)), system%transmission_error(size(orders)))
+      do j = 1, size(orders)
+         system%law(j)%order = orders(j)
+         call system%law(j)%begin(0, [1.0_dp], orders(j)*[1, 2, 3])
+         system%law(j)%amplitude = 0.1_dp
+         system%law(j)%stiffness(1) = 1
+         system%law(j)%origin(1) = 1
+         call system%law(j)%complete(0.05_dp)
+         allocate (system%transmission_error(j)%harmonic(0), system%transmission_error(j)%amplitude(0))
+      end do
+   end subroutine build_sources
+
+   !> Sums of the sources have places of their own up to the weight, in the same ratios; places and harmonics are inverse; the place
+   !> of a sum is the sum of the places, which products of spectra need.
+   subroutine places(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: weight = 12
+      type(system_type) :: system
+      type(winding_type) :: winding
+      integer :: short(3), k(3), h, p, q, wrong, off(2)
+      integer, allocatable :: found(:)
+
+      call build_sources(order, system)
+      call find_winding(system, weight, winding)
+      call tests%is_true(winding%cycles > 0 .and. 15*winding%cycles < order(1), 'a fifteenth of the cycles at most')
+      if (winding%cycles == 0) return
+      short = winding%place_of(order)
+      call tests%is_true(short(1) == winding%cycles .and. all(abs(short - winding%cycles*order/real(order(1), dp)) < 1), &
+                         'orders of the winding')
+      wrong = 0
+      off = 0
+      allocate (found(0))
+      do h = 0, 40
+         do p = -weight, weight
+            do q = -weight + abs(p), weight - abs(p)
+               k = [h, p, q]
+               if (dot_product(k, order) < 1) cycle
+               associate (harmonic => dot_product(k, order), place => dot_product(k, short))
+                  if (winding%place_of(harmonic) /= place .or. place < 1) wrong = wrong + 1
+                  if (winding%harmonic_at(max(1, place)) /= harmonic) off(1) = off(1) + 1
+                  if (h == 20) found = [found, place]
+               end associate
+            end do
+         end do
+      end do
+      call tests%is_true(wrong == 0 .and. off(1) == 0, 'places of sums, and harmonics of places')
+      call tests%is_true(size(found) == 2*weight**2 + 2*weight + 1 .and. &
+                         all([(count(found == found(p)), p=1, size(found))] == 1), 'places of their own')
+      ! Further places: none has the harmonic of another.
+      off(2) = 0
+      do p = 1, 3*winding%cycles
+         h = winding%harmonic_at(p)
+         if (h == 0) cycle
+         if (winding%place_of(h) /= p) off(2) = off(2) + 1
+      end do
+      call tests%is_true(off(2) == 0, 'harmonics of further places')
+      found = [(winding%harmonic_at(p), p=1, winding%cycles)]
+      call tests%is_true(count(found > 0) > 9*winding%cycles/10, 'nearly all places have harmonics')
+   end subroutine places
+
+   !> No winding: of one source, of too many, and where it would hardly be shorter than the period.
+   subroutine no_winding(tests)
+      class(tests_type), intent(inout) :: tests
+      type(system_type) :: one, five, short, double
+      type(winding_type) :: winding
+
+      call build_sources([8980], one)
+      call find_winding(one, 12, winding)
+      call tests%is_true(winding%cycles == 0, 'one source')
+      call build_sources([8980, 5651, 3331, 1573, 277], five)
+      call find_winding(five, 4, winding)
+      call tests%is_true(winding%cycles == 0, 'five sources')
+      call build_sources([811, 503, 22], short)
+      call find_winding(short, 12, winding)
+      call tests%is_true(winding%cycles == 0, 'a period of 811 cycles')
+      ! A source of twice the order of another adds no sums of its own.
+      call build_sources([8980, 2*277, 277], double)
+      call find_winding(double, 12, winding)
+      call tests%is_true(winding%cycles > 0 .and. winding%place_of(2*277) == 2*winding%place_of(277), 'a multiple of a source')
+   end subroutine no_winding
+
+   !> Coefficients of contact of a motion of three sources that parts in some of the cycles: those of the whole period, the nearer
+   !> the longer the winding.
+   subroutine coefficients(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: harmonic(*) = [277, 1108, 1573, 7407, 8703, 8980, 9257, 10553, 17960, 26940]
+      real(dp), parameter :: depth(3) = [1.05_dp, 0.9_dp, 0.4_dp]
+      integer, parameter :: weight(3) = [8, 12, 18]
+      type(system_type) :: system
+      type(winding_type) :: winding
+      type(contact_type) :: whole, short
+      type(law_type) :: law
+      real(dp) :: u(1 + 2*size(harmonic)), off(3, 3), amplitude
+      integer :: place(size(harmonic)), i, j
+
+      call build_sources(order, system)
+      u = 0
+      do j = 1, size(harmonic)
+         amplitude = 0.1_dp
+         if (mod(harmonic(j), 8980) == 0) amplitude = 1/(harmonic(j)/8980.0_dp)**3
+         u(2*j:2*j + 1) = amplitude*[cos(2.0_dp*j), sin(2.0_dp*j)]
+      end do
+      do i = 1, 3
+         u(1) = 1 + depth(i)
+         call whole%setup(system%law(1), 1, harmonic, 2*maxval(harmonic), 0)
+         call update_contact(whole, u)
+         do j = 1, 3
+            call find_winding(system, weight(j), winding)
+            place = winding%place_of(harmonic)
+            law = system%law(1)
+            call winding%wind(law)
+            call short%setup(law, 1, place, 2*maxval(place), 0)
+            call update_contact(short, u)
+            off(j, i) = maxval(abs(short%spectra%stiffness(place) - whole%spectra%stiffness(harmonic)))
+            off(j, i) = max(off(j, i), maxval(abs(short%spectra%offset([0, place]) - whole%spectra%offset([0, harmonic]))))
+            call tests%is_true(short%events > 0 .and. short%events < whole%events/10, 'fewer events')
+         end do
+      end do
+      ! Where teeth part in one of hundred cycles (the first depth) up to most of them.
+      call tests%is_close(maxval(off(1, :)), 0.0_dp, 4e-3_dp, 'coefficients of the shortest winding')
+      call tests%is_close(maxval(off(2, :)), 0.0_dp, 1e-3_dp, 'coefficients')
+      call tests%is_close(maxval(off(3, :)), 0.0_dp, 8e-4_dp, 'coefficients of a longer one')
+   end subroutine coefficients
+
+   !> Residual of a balance on a winding, and its derivative: those of the whole period.
+   subroutine same_balance(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: harmonic(*) = [4, 1005, 1009, 1013, 1017, 2018, 2022, 2026, 3027, 3039]
+      type(train_type) :: train
+      type(system_type), target :: system
+      type(winding_type) :: winding
+      type(balance_type) :: whole, short
+      real(dp), allocatable :: u(:, :)
+      integer :: k
+
+      train = paper_train(0.1_dp)
+      train%meshes%order = [1009, 1013]
+      call build_system(train, system)
+      call find_winding(system, 12, winding)
+      call tests%is_true(winding%cycles > 0 .and. winding%cycles < 120, 'a winding of two sources')
+      if (winding%cycles == 0) return
+      call whole%setup(system, 3039, 1, 0, harmonic)
+      call short%setup(system, 3039, 1, 0, harmonic, winding=winding)
+      allocate (u(whole%block, whole%unknowns), source=0.0_dp)
+      do k = 1, whole%block
+         u(k, :) = [0.1_dp*cos(3.0_dp*k), 0.1_dp*sin(2.0_dp*k)]
+      end do
+      u(6:8:2, :) = 1.2_dp
+      u(1, :) = system%half_backlash(whole%mesh) + [1.3_dp, 1.1_dp]
+      call whole%evaluate(u, 0.8_dp/1009)
+      call short%evaluate(u, 0.8_dp/1009)
+      call tests%is_true(whole%parts() .and. short%parts(), 'teeth part')
+      call tests%is_close(maxval(abs(short%residual - whole%residual))/maxval(abs(whole%residual)), 0.0_dp, 1e-4_dp, 'residual')
+      call tests%is_close(maxval(abs(short%tangent - whole%tangent)), 0.0_dp, 1e-3_dp, 'derivative of the forces')
+      call tests%is_close(maxval(abs(short%d_frequency - whole%d_frequency))/maxval(abs(whole%d_frequency)), 0.0_dp, 1e-4_dp, &
+                          'derivative with respect to Lambda')
+   end subroutine same_balance
+
+   !> Contacts over the period of a motion whose balance is on a winding: those of the balance without.
+   subroutine whole_contacts(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: harmonic(*) = [4, 1009, 1013, 2018, 2026]
+      type(train_type) :: train
+      type(system_type), target :: system
+      type(winding_type) :: winding
+      type(balance_type) :: whole, short
+      type(motion_contacts_type) :: motion
+      type(transform_type) :: transform
+      real(dp), allocatable :: u(:, :)
+      integer :: i
+
+      train = paper_train(0.1_dp)
+      train%meshes%order = [1009, 1013]
+      call build_system(train, system)
+      call find_winding(system, 12, winding)
+      call whole%setup(system, 2026, 1, 0, harmonic)
+      call short%setup(system, 2026, 1, 0, harmonic, winding=winding)
+      allocate (u(whole%block, whole%unknowns), source=0.0_dp)
+      u(4, :) = 0.9_dp
+      u(6, :) = 0.3_dp
+      u(1, :) = system%half_backlash(whole%mesh) + [1.15_dp, 1.0_dp]
+      call whole%evaluate(u, 0.8_dp/1009)
+      call short%evaluate(u, 0.8_dp/1009)
+      call find_whole_contacts(short, u, transform, motion)
+      do i = 1, 2
+         associate (a => whole%contact(i), b => motion%contact(i))
+            call tests%is_true(a%events > 0 .and. a%events == b%events, 'number of events')
+            if (a%events /= b%events) cycle
+            call tests%is_close(maxval(abs(a%instant(:a%events) - b%instant(:b%events))), 0.0_dp, 1e-11_dp, 'instants')
+            call tests%is_true(all(a%contact(:a%events) == b%contact(:b%events)), 'regions')
+         end associate
+      end do
+   end subroutine whole_contacts
+
+end module unit_winding
