@@ -11,7 +11,9 @@ module geartrain_balance_balance_of_motion
    private
    public :: harmonics_of, setup_for_motion
 
-   !> Share of the harmonics that the excitation reaches below which those of a motion are carried alone.
+   !> Number of harmonics that the excitation reaches above which, and share of them below which, those of a motion are carried
+   !> alone.
+   integer, parameter :: many = 1000
    real(dp), parameter :: small_share = 0.1_dp
 
 contains
@@ -42,7 +44,7 @@ contains
       call balance%setup(system, highest, motion%period, 0, repeats=repetitions_of(system, motion))
       allocate (carried(highest), source=.false.)
       own = harmonics_of(motion)
-      if (size(own) < small_share*size(balance%harmonic)) then
+      if (size(balance%harmonic) > many .and. size(own) < small_share*size(balance%harmonic)) then
          excited = motion%period*excited_harmonics(system)
          carried(pack(excited, excited <= highest)) = .true.
          carried(own) = .true.
