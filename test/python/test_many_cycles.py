@@ -104,3 +104,26 @@ def test_five_hunting_stages():
         assert found == pytest.approx(driving * speed, rel=1.001 * off)
         speed *= driving / driven
     assert off < 1e-4
+
+
+@pytest.mark.full
+@pytest.mark.parametrize("start, stop, apart, allowed", [
+    (0.72, 0.95, 0.001, 1e-5), pytest.param(1.6, 1.9, 0.4, 3e-3, marks=pytest.mark.nightly)])
+def test_a_short_line_has_the_motions_of_the_period(start, stop, apart, allowed):
+    """Two meshes of 5003 and 1301 cycles, whose contacts are found on a line of 73 cycles or more; torques that are next to nothing
+    make five sources, for which they are found in every cycle of the period. Allowed is a third of the tolerance where the sets of
+    harmonics differ."""
+    train = gt.read_case(ROOT / "namelists" / "fig03.nml").train
+    train = replace(train, meshes=[replace(mesh, order=order) for mesh, order in zip(train.meshes, (5003, 1301), strict=True)])
+    torque = np.zeros(13)
+    torque[[6, 10, 12]] = 1e-9
+    asked = dict(start=start / 5003, stop=stop / 5003, harmonics=0, tolerance=1e-2, stability=False)
+    short, whole = train.response(**asked), replace(train, torque_cos=list(torque)).response(**asked)
+    assert short.complete and short.error_estimate.max() <= 1e-2 and short.separation_fraction.max() > apart
+    along = np.argsort(whole.frequency)
+    for name in ("rms", "separation_fraction"):
+        found, expected = getattr(short, name), getattr(whole, name)[along]
+        for mesh in range(2):
+            at = np.interp(short.frequency, whole.frequency[along], expected[:, mesh])
+            scale = found[:, mesh].max() if name == "rms" else 1.0
+            np.testing.assert_allclose(found[:, mesh], at, rtol=0, atol=allowed * scale, err_msg=name)
