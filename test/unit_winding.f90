@@ -226,7 +226,7 @@ contains
          associate (a => whole%contact(i), b => motion%contact(i))
             call tests%is_true(a%events > 0 .and. a%events == b%events, 'number of events')
             if (a%events /= b%events) cycle
-            call tests%is_close(maxval(abs(a%instant(:a%events) - b%instant(:b%events))), 0.0_dp, 1e-11_dp, 'instants')
+            call tests%is_close(maxval(abs(a%instant(:a%events) - b%instant(:b%events))), 0.0_dp, 1e-9_dp, 'instants')
             call tests%is_true(all(a%contact(:a%events) == b%contact(:b%events)), 'regions')
          end associate
       end do

@@ -13,8 +13,9 @@ module geartrain_mesh_law_contact
    private
    public :: contact_type, most_polished
 
-   !> Harmonics up to which the crossings found among samples are polished: those of more are found by the samples alone.
-   integer, parameter :: most_polished = 512
+   !> Harmonics up to which crossings found among few samples are polished. Samples above which crossings are found by the samples
+   !> alone, where there are eight in a period of the highest harmonic.
+   integer, parameter :: most_polished = 512, many_samples = 4096
 
    type :: contact_type
       !> Force law of the mesh.
@@ -256,6 +257,7 @@ contains
       type(transform_type), intent(inout) :: fine
       real(dp) :: spacing, reach, below, above, wall, f0, f1, turn, f_turn
       integer :: q, next, side, first, w, beyond, inside
+      logical :: by_samples
 
       call sample(u, self%harmonic, fine)
       if (allocated(self%p)) then
@@ -267,6 +269,7 @@ contains
       if (all(self%p > self%law%wall(self%law%highest - 1) + 0.1_dp*(maxval(self%p) - minval(self%p)))) return
       call sample(u, self%harmonic, fine, derivative=.true.)
       self%slope = fine%sample
+      by_samples = fine%samples > many_samples .and. fine%samples >= 8*maxval([0, self%harmonic])
       spacing = 2*pi/fine%samples
       below = huge(below)
       above = huge(above)
@@ -289,7 +292,7 @@ contains
             f0 = side*(self%p(q) - wall)
             f1 = side*(self%p(next) - wall)
             if ((f0 > 0) .neqv. (f1 > 0)) then
-               if (size(self%harmonic) > most_polished) then
+               if (by_samples) then
                   turn = (q - 1 + root_at(self, wall, q))*spacing
                else
                   turn = crossing(u, self%harmonic, wall, (q - 1)*spacing, q*spacing, [self%p(q), self%p(next)] - wall, &
