@@ -11,8 +11,8 @@ module geartrain_balance_balance_of_motion
    private
    public :: harmonics_of, setup_for_motion
 
-   !> Number of harmonics that the excitation reaches above which, and share of them below which, those of a motion are carried
-   !> alone.
+   !> The harmonics of a motion are carried alone where the excitation reaches more than `many`, and the motion has less than this
+   !> share of them.
    integer, parameter :: many = 1000
    real(dp), parameter :: small_share = 0.1_dp
 

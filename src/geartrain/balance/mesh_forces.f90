@@ -36,8 +36,7 @@ module geartrain_balance_mesh_forces
       !> Carried harmonics of Lambda/eta, ascending; coefficients of a mesh, 1 + 2*size(harmonic).
       integer, allocatable :: harmonic(:)
       integer :: block = 1
-      !> The contacts and their spectra are those of a winding, where one is taken; place of each carried harmonic in it, else the
-      !> harmonic.
+      !> Winding on which the contacts and their spectra are found, without cycles: the period. Place of each carried harmonic.
       type(winding_type) :: winding
       integer, allocatable :: place(:)
       !> Highest harmonic asked for; carried are all of 1..highest where eta > 1, else those that the excitation reaches, or a set
@@ -204,7 +203,7 @@ contains
       is_direct = self%explicit == size(self%harmonic)
    end function is_direct
 
-   !> Whether the contacts are those of a winding.
+   !> Whether the contacts are found on a winding.
    pure logical function is_wound(self)
       class(mesh_forces_type), intent(in) :: self
 
