@@ -193,7 +193,8 @@ contains
 
    contains
 
-      !> How far the branch has come from the end of the range at which it began; 0 where it has come back there.
+      !> How far the branch has come from the end of the range at which it began; 0 where it has come back there. Points are closer
+      !> at low speeds, where high harmonics are in resonance: of real gearboxes not as close as the logarithm would have them.
       real(dp) function share_of_range()
          real(dp) :: ends(2), far
 
@@ -202,6 +203,8 @@ contains
          far = ends(merge(2, 1, abs(ends(2) - self%first) > abs(ends(1) - self%first)))
          share_of_range = 0
          if (abs(far - self%first) > 0) share_of_range = (value - self%first)/(far - self%first)
+         if (case%response%parameter == '' .and. share_of_range > 0) &
+            share_of_range = (share_of_range + log(value/self%first)/log(far/self%first))/2
       end function share_of_range
 
    end function share_done

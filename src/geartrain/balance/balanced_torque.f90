@@ -2,6 +2,7 @@
 module geartrain_balance_balanced_torque
    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_torus_extremes, only: find_torus_extremes
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: extremes, fine_samples, own_resolution
@@ -33,6 +34,10 @@ contains
       ac = sqrt(sum(coefficients(2:, :)**2, 1)/2)
       do s = 1, size(mean)
          if (balance%system%torque_paths%known(s)) then
+            if (balance%is_wound()) then
+               call find_torus_extremes(balance%winding, coefficients(:, s), balance%harmonic, transform, minimum(s), maximum(s))
+               cycle
+            end if
             if (balance%chosen) call transform%plan(fine_samples(own_resolution(coefficients(:, s), balance%harmonic)))
             call extremes(coefficients(:, s), balance%harmonic, transform, minimum(s), maximum(s))
          else

@@ -3,6 +3,8 @@
 !>
 !> The mesh force over k b_c is phi (geartrain_mesh_law_law), damping included.
 module geartrain_balance_mesh_load
+   use geartrain_balance_torus_extremes, only: torus_force_top
+   use geartrain_balance_winding, only: winding_type
    use geartrain_base_kinds, only: dp, pi
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: evaluate, least_height, next_maximum, resolution, sample
@@ -23,14 +25,16 @@ module geartrain_balance_mesh_load
       real(dp) :: separation = 0, back_contact = 0
    end type mesh_load_type
 
-   !> kappa of a mesh at the samples of a period [1], (sample, region).
+   !> kappa and, where the law has them, offsets of a mesh at the samples of a period [1], (sample, region).
    type :: stiffness_samples_type
-      real(dp), allocatable :: kappa(:, :)
+      real(dp), allocatable :: kappa(:, :), offset(:, :)
    end type stiffness_samples_type
 
    !> Finds the largest mesh force of Fourier coefficients, with work space and samples of the stiffness that are made once.
    type :: force_reader_type
       integer, private :: eta = 0
+      !> In place of the period, where it has cycles.
+      type(winding_type), private :: winding
       !> Of each mesh, as many as its waveform needed last, (mesh).
       type(stiffness_samples_type), allocatable, private :: samples(:)
       !> Mesh force over k b_c [1], (sample).
@@ -42,22 +46,27 @@ module geartrain_balance_mesh_load
 
 contains
 
-   !> Makes the work space for a mesh, unless it has one with this eta and number of samples.
-   subroutine setup(self, system, mesh, eta, transform)
+   !> Makes the work space for a mesh, unless it has one with this eta, winding and number of samples.
+   subroutine setup(self, system, mesh, eta, winding, transform)
       class(force_reader_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       !> Number of the mesh.
       integer, intent(in) :: mesh
       !> Period of the motions [periods of the fundamental].
       integer, intent(in) :: eta
+      !> Winding whose samples are taken in place of those of the period; without cycles: none.
+      type(winding_type), intent(in) :: winding
       !> Planned for as many samples as a period has; overwritten.
       type(transform_type), intent(inout) :: transform
-      real(dp), allocatable :: u(:)
-      integer :: i, n, s
+      integer :: s
 
-      if (allocated(self%samples) .and. self%eta /= eta) deallocate (self%samples)
-      if (.not. allocated(self%samples)) allocate (self%samples(system%meshes))
-      self%eta = eta
+      if (allocated(self%samples) .and. (self%eta /= eta .or. self%winding%cycles /= winding%cycles .or. &
+                                         self%winding%weight /= winding%weight)) deallocate (self%samples)
+      if (.not. allocated(self%samples)) then
+         allocate (self%samples(system%meshes))
+         self%eta = eta
+         self%winding = winding
+      end if
       if (allocated(self%force)) then
          if (size(self%force) /= transform%samples) deallocate (self%force)
       end if
@@ -67,14 +76,29 @@ contains
             if (size(samples%kappa, 1) == transform%samples) return
             deallocate (samples%kappa)
          end if
+         if (allocated(samples%offset)) deallocate (samples%offset)
          allocate (samples%kappa(transform%samples, law%lowest:law%highest))
+         if (allocated(law%offset)) allocate (samples%offset(transform%samples, law%lowest:law%highest))
          do s = law%lowest, law%highest
-            n = size(law%harmonic)
-            u = [law%stiffness(s), (law%amplitude(i, s)%re, -law%amplitude(i, s)%im, i=1, n)]
-            call sample(u, eta*law%harmonic, transform)
-            samples%kappa(:, s) = transform%sample
+            call take_waves(law%stiffness(s), law%amplitude(:, s), samples%kappa(:, s))
+            if (allocated(law%offset)) call take_waves(0.0_dp, law%offset(:, s), samples%offset(:, s))
          end do
       end associate
+
+   contains
+
+      !> Samples of a mean and waves of the law.
+      subroutine take_waves(mean, amplitude, values)
+         real(dp), intent(in) :: mean
+         complex(dp), intent(in) :: amplitude(:)
+         real(dp), intent(out) :: values(:)
+         integer :: i
+
+         call sample([mean, (amplitude(i)%re, -amplitude(i)%im, i=1, size(amplitude))], &
+                     winding%place_of(eta*system%law(mesh)%harmonic), transform)
+         values = transform%sample
+      end subroutine take_waves
+
    end subroutine setup
 
    !> The harmonic whose `fine_samples` show the extremes of the displacement of a mesh and of its force: of hunting teeth much
@@ -153,7 +177,7 @@ contains
       type(contact_type), intent(in), optional :: contact
       !> Smallest and largest value of phi [1].
       real(dp), intent(out), optional :: ends(2)
-      real(dp) :: rate, largest, reversed, below, above
+      real(dp) :: rate, largest, reversed, below, above, slope(size(u))
       real(dp), allocatable :: damping(:)
       integer :: q, s
 
@@ -168,12 +192,14 @@ contains
             if (s > law%lowest) below = law%wall(s - 1)
             if (s < law%highest) above = law%wall(s)
             force = force + merge(self%samples(mesh)%kappa(:, s)*(p - law%origin(s)), 0.0_dp, p > below .and. p <= above)
-            if (.not. allocated(law%offset)) cycle
-            do q = 1, size(p)
-               if (p(q) > below .and. p(q) <= above) force(q) = force(q) + law%offset_at(s, 2*pi*self%eta*(q - 1)/size(p))
-            end do
+            if (allocated(law%offset)) &
+               force = force + merge(self%samples(mesh)%offset(:, s), 0.0_dp, p > below .and. p <= above)
          end do
-         call sample(u, harmonic, transform, derivative=.true.)
+         ! The derivative by the harmonics, at their places.
+         slope(1) = 0
+         slope(2::2) = harmonic*u(3::2)
+         slope(3::2) = -harmonic*u(2::2)
+         call sample(slope, self%winding%place_of(harmonic), transform)
          if (law%jumps) then
             force = force + rate*damping*transform%sample
          else
@@ -182,9 +208,9 @@ contains
          largest = 0
          reversed = 0
          if (.not. system%static_force(n) < 0 .or. present(ends)) &
-            largest = top(force, 1, u, harmonic, law, self%eta, frequency_ratio, contact)
+            largest = top(force, 1, u, harmonic, law, self%eta, self%winding, frequency_ratio, contact)
          if (.not. system%static_force(n) > 0 .or. present(ends)) &
-            reversed = top(force, -1, u, harmonic, law, self%eta, frequency_ratio, contact)
+            reversed = top(force, -1, u, harmonic, law, self%eta, self%winding, frequency_ratio, contact)
       end associate
       if (present(ends)) ends = [-reversed, largest]
       call put_force(system, system%static_force, mesh, largest, reversed, load)
@@ -193,10 +219,11 @@ contains
    !> Largest value of side*phi [1]: Newton's method on the slope from the highest maxima among the samples, and both sides of every
    !> event where phi may be largest there. Without stages, and where phi does not jump, its kinks at the events of the loaded flank
    !> are minima.
-   pure real(dp) function top(force, side, u, harmonic, law, eta, frequency_ratio, contact)
+   pure real(dp) function top(force, side, u, harmonic, law, eta, winding, frequency_ratio, contact)
       real(dp), intent(in) :: force(:), u(:), frequency_ratio
       integer, intent(in) :: side, harmonic(:), eta
       type(law_type), intent(in) :: law
+      type(winding_type), intent(in) :: winding
       type(contact_type), intent(in), optional :: contact
       real(dp) :: least, spacing, theta, phi(0:2), correction
       integer :: i, q
@@ -211,6 +238,10 @@ contains
             top = max(top, side*phi(0))
          end do
       end if
+      if (winding%cycles > 0) then
+         top = max(top, torus_force_top(winding, force, side, u, harmonic, law, frequency_ratio))
+         return
+      end if
       least = least_height(force, side)
       q = 0
       do
@@ -221,7 +252,7 @@ contains
             top = max(top, side*phi(0))
             if (.not. side*phi(2) < 0) exit
             correction = -phi(1)/phi(2)
-            if (abs(correction) < 1e-4_dp) then
+            if (abs(correction) < 1e-3_dp*spacing) then
                ! The rest of the way up is a parabola.
                top = max(top, side*(phi(0) + 0.5_dp*phi(1)*correction))
                exit

@@ -10,7 +10,7 @@
 !> Sangiovanni-Vincentelli, IEEE Trans. Microwave Theory Tech. 36 (1988) 366-378.
 module geartrain_balance_winding
    use, intrinsic :: iso_fortran_env, only: int64
-   use geartrain_base_kinds, only: dp
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_base_sorting, only: ascending
    use geartrain_mesh_law_law, only: law_type
    use geartrain_network_excitation, only: excited_harmonics
@@ -33,10 +33,17 @@ module geartrain_balance_winding
       integer :: weight = 0
       !> Harmonic less than `whole` of each place c less than `cycles`, and the place of each such harmonic; -1: none.
       integer, allocatable, private :: harmonic(:), place(:)
+      !> Orders of the slower sources in the period and in the winding, (source); numbers k of them in the sum that each place less
+      !> than `cycles` is of, (source, place).
+      integer, allocatable, private :: source(:), order(:), number(:, :)
    contains
       procedure :: place_of
       procedure :: harmonic_at
       procedure :: last_place
+      procedure :: shortened
+      procedure :: sources
+      procedure :: numbers_of
+      procedure :: phases_at
       procedure :: wind
       procedure, private :: try
       procedure, private :: fill
@@ -121,15 +128,17 @@ contains
       class(winding_type), intent(inout) :: self
       !> Cycles of the fastest source; orders of the others in the period and in the winding; numbers k, (source, sum).
       integer, intent(in) :: cycles, source(:), order(:), sums(:, :)
-      integer :: harmonic(0:cycles - 1), i, place, remainder
+      integer :: harmonic(0:cycles - 1), number(size(source), 0:cycles - 1), i, place, remainder
       integer, allocatable :: more(:, :)
 
       harmonic = -1
+      number = 0
       do i = 1, size(sums, 2)
          call put(sums(:, i), source, order, cycles, self%whole, place, remainder)
          if (harmonic(place) == remainder) cycle
          if (harmonic(place) >= 0 .or. .not. is_between(place, remainder, self%whole)) return
          harmonic(place) = remainder
+         number(:, place) = sums(:, i)
       end do
       self%harmonic = harmonic
       allocate (self%place(0:self%whole - 1), source=-1)
@@ -143,6 +152,9 @@ contains
          self%place(harmonic(place)) = place
       end do
       self%cycles = cycles
+      self%source = source
+      self%order = order
+      allocate (self%number(size(source), 0:cycles - 1), source=number)
       call list_sums(size(source), nint(2*share(size(source))*self%weight), more)
       call self%fill(source, order, more)
    end subroutine try
@@ -159,6 +171,7 @@ contains
          if (self%harmonic(place) >= 0 .or. self%place(remainder) >= 0) cycle
          self%harmonic(place) = remainder
          self%place(remainder) = place
+         self%number(:, place) = sums(:, i)
       end do
    end subroutine fill
 
@@ -222,6 +235,44 @@ contains
       last_place = harmonic
       if (self%cycles > 0) last_place = (harmonic/self%whole + 1)*self%cycles
    end function last_place
+
+   !> What a harmonic of the period is along the winding, rounded up: as many samples are to show it.
+   pure integer function shortened(self, harmonic)
+      class(winding_type), intent(in) :: self
+      !> Number of the harmonic of Lambda.
+      integer, intent(in) :: harmonic
+
+      shortened = harmonic
+      if (self%cycles > 0) shortened = ceiling(real(harmonic, dp)*self%cycles/self%whole)
+   end function shortened
+
+   !> Number of sources: of dimensions of the torus.
+   pure integer function sources(self)
+      class(winding_type), intent(in) :: self
+
+      sources = size(self%source) + 1
+   end function sources
+
+   !> Numbers k of the sources in the sum that a harmonic with a place is, the fastest first.
+   pure function numbers_of(self, harmonic) result(numbers)
+      class(winding_type), intent(in) :: self
+      !> Number of the harmonic of Lambda.
+      integer, intent(in) :: harmonic
+      integer :: numbers(size(self%source) + 1)
+
+      numbers(2:) = self%number(:, self%place(mod(harmonic, self%whole)))
+      numbers(1) = (harmonic - dot_product(numbers(2:), self%source))/self%whole
+   end function numbers_of
+
+   !> Phases of the sources at a place along the winding [rad], the fastest first.
+   pure function phases_at(self, part, parts) result(phases)
+      class(winding_type), intent(in) :: self
+      !> The place: so many of the equal parts of the winding after its beginning.
+      integer, intent(in) :: part, parts
+      real(dp) :: phases(size(self%source) + 1)
+
+      phases = 2*pi*modulo(int([self%cycles, self%order], int64)*part, int(parts, int64))/parts
+   end function phases_at
 
    !> Puts the harmonics of a force law at their places. Those without a place have no amplitude and are dropped.
    pure subroutine wind(self, law)

@@ -1,5 +1,6 @@
 !> Changes of stability within a step of a branch: by how many multipliers are outside the unit circle at both ends and, within long
-!> steps, at places between them; and, where they are as many, by how near to the circle they come between those places.
+!> steps, at places between them; and, where they are as many, by how near to the circle they come between those places. The first
+!> place is the middle; more follow on a side of it where multipliers are not as far from the circle as the ends of that side tell.
 module geartrain_trace_probed_changes
    use, intrinsic :: iso_fortran_env, only: int64
    use geartrain_base_kinds, only: dp
@@ -19,7 +20,10 @@ module geartrain_trace_probed_changes
    !> Distance in Lambda of places in a step [units_type], length of the branch between them [1], and angle by which it turns [rad],
    !> at which multipliers are computed if at an end of the step one is within `far` of the circle; most places.
    real(dp), parameter :: spacing = 0.025_dp, length_between = 0.05_dp, turn = 0.25_dp
-   integer, parameter :: most_probes = 40
+   integer, parameter :: most_probes = 63
+   !> Distance of a multiplier in the middle from the mean of both ends, over its distance from the circle, up to which no further
+   !> places are looked at [1].
+   real(dp), parameter :: as_told = 0.25_dp
    !> Uncertainty of an estimate between these places, as a share of the variation of the distance from the circle: a pair that
    !> becomes real moves with the square root of the length from there.
    real(dp), parameter :: uncertain = 0.5_dp
@@ -63,8 +67,7 @@ contains
       type(piece_type) :: piece
       type(solution_point_type) :: solution
       type(places_type) :: places
-      complex(dp), dimension(branch%states) :: first, last, multipliers
-      real(dp) :: s, distance
+      complex(dp), dimension(branch%states) :: first, last
       integer(int64) :: began, now, rate
       integer :: probes, i, side(most_probes + most_looks + 2)
       logical :: success
@@ -88,18 +91,7 @@ contains
       allocate (places%rough(most_probes + most_looks + 2), source=.false.)
       call places%insert(0.0_dp, first)
       call places%insert(piece%length, last)
-      do i = 1, probes
-         s = i*piece%length/(probes + 1)
-         ! The motion on the cubic is near enough where they count as at the places beside.
-         solution = here
-         call go_along(here, next, s/piece%length, corrector%units, solution)
-         call corrector%find_distance(solution, distance)
-         hidden = hidden .or. distance > off_cubic*curve_limit(corrector, solution)
-         call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio, verdict=.true.)
-         call monodromy%multipliers(multipliers)
-         if (.not. are_numbers(multipliers)) cycle
-         call places%insert(s, multipliers, .true.)
-      end do
+      call look_within(0.0_dp, piece%length, first, last)
       call solve_beside_changes()
       if (places%taken > 2) then
          call look_between(corrector, monodromy, piece, doubling, places)
@@ -125,6 +117,29 @@ contains
       branch%verdict_seconds = branch%verdict_seconds + real(now - began, dp)/real(rate, dp)
 
    contains
+
+      !> Finds multipliers in the middle of a part of the step, and on both sides of it unless they are as both ends tell.
+      recursive subroutine look_within(from, to, before, after)
+         real(dp), intent(in) :: from, to
+         complex(dp), intent(in) :: before(:), after(:)
+         complex(dp) :: multipliers(size(before))
+         real(dp) :: distance, middle
+
+         if ((to - from)*(probes + 1) < 1.001_dp*piece%length) return
+         middle = (from + to)/2
+         ! The motion on the cubic is near enough where they count as at the places beside.
+         solution = here
+         call go_along(here, next, middle/piece%length, corrector%units, solution)
+         call corrector%find_distance(solution, distance)
+         hidden = hidden .or. distance > off_cubic*curve_limit(corrector, solution)
+         call monodromy%integrate(corrector%balance, corrector%balance%frequency_ratio, verdict=.true.)
+         call monodromy%multipliers(multipliers)
+         if (.not. are_numbers(multipliers)) return
+         call places%insert(middle, multipliers, .true.)
+         if (are_as_told(abs(before), abs(multipliers), abs(after))) return
+         call look_within(from, middle, before, multipliers)
+         call look_within(middle, to, multipliers, after)
+      end subroutine look_within
 
       !> Multipliers at a place of the step; as they are where Newton's method fails.
       subroutine find_at(at, multipliers, success)
@@ -244,6 +259,16 @@ contains
          end do
       end do
    end subroutine look_between
+
+   !> Whether magnitudes in a middle that matter are nearly the means of both ends.
+   pure logical function are_as_told(before, middle, after)
+      !> Magnitudes, the largest first.
+      real(dp), intent(in), dimension(:) :: before, middle, after
+      real(dp), dimension(size(middle)) :: distance
+
+      distance = min(abs(before - 1), abs(middle - 1), abs(after - 1))
+      are_as_told = all(distance > far .or. abs(middle - (before + after)/2) < as_told*distance)
+   end function are_as_told
 
    !> Whether multipliers pass the circle, or may, between two places.
    pure logical function differ(first, last)

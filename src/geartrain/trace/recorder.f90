@@ -6,13 +6,14 @@ module geartrain_trace_recorder
    use geartrain_balance_balanced_torque, only: find_shaft_torques, mean_forces
    use geartrain_balance_error_estimate, only: error_estimate_type
    use geartrain_balance_mesh_load, only: force_reader_type, load_resolution
+   use geartrain_balance_torus_extremes, only: find_torus_extremes
    use geartrain_balance_coupling_loss, only: find_coupling_losses
    use geartrain_base_kinds, only: dp
    use geartrain_floquet_monodromy, only: monodromy_type
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_floquet_multipliers, only: are_numbers, is_stable, power
    use geartrain_linalg_fftw, only: transform_type
-   use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms
+   use geartrain_linalg_trigonometric, only: extremes, fine_samples, rms, sample
    use geartrain_network_parameter_path, only: parameter_path_type
    use geartrain_network_system, only: system_type
    use geartrain_trace_branch, only: arrange_points, branch_type, multipliers_at, widen
@@ -166,10 +167,16 @@ contains
       do j = 1, branch%meshes
          branch%rms(j, n) = rms(coefficients(:, j))
          branch%mean(j, n) = coefficients(1, j)
-         call self%transform%plan(fine_samples(resolution_of(balance, j, coefficients(:, j))))
-         call self%reader%setup(balance%system, j, balance%eta, self%transform)
-         ! `extremes` leaves the samples of p in self%transform, which the reader of forces uses: other samples come after it.
-         call extremes(coefficients(:, j), balance%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
+         if (balance%is_wound()) call find_torus_extremes(balance%winding, coefficients(:, j), balance%harmonic, self%transform, &
+                                                          branch%minimum(j, n), branch%maximum(j, n))
+         call self%transform%plan(fine_samples(balance%winding%shortened(resolution_of(balance, j, coefficients(:, j)))))
+         call self%reader%setup(balance%system, j, balance%eta, balance%winding, self%transform)
+         ! The reader of forces uses the samples of p in self%transform.
+         if (balance%is_wound()) then
+            call sample(coefficients(:, j), balance%place, self%transform)
+         else
+            call extremes(coefficients(:, j), balance%harmonic, self%transform, branch%minimum(j, n), branch%maximum(j, n))
+         end if
          associate (law => balance%system%law(j), load => branch%mesh_load(j, n), place => findloc(balance%mesh, j, 1))
             if (law%highest > law%lowest .and. any(balance%system%torque_paths%alone == j)) then
                call self%reader%read(balance%system, j, balance%frequency_ratio, coefficients(:, j), balance%harmonic, &
