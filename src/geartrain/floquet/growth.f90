@@ -19,7 +19,7 @@ module geartrain_floquet_growth
    private
    public :: find_growth, growth_type, shifted_rate
 
-   !> Cycles of the fastest mesh in the first part; the part grows by two until its rate is sure.
+   !> Cycles of the fastest mesh in the first part; the part grows by two until its rate is sure. Before it half as many.
    integer, parameter :: first_cycles = 32
    !> Cycles after which a rate that is not to be sure is left as it is, and any rate: the motion is next to neutral.
    integer, parameter :: rough_cycles = 128, most_cycles = 2048
@@ -28,8 +28,8 @@ module geartrain_floquet_growth
    !> Distance of a rate from 0, over its error, above which its sign is decided [1].
    real(dp), parameter :: surely = 4
    !> Change of the rate from the first part to the second, over the rate, below which no third is needed where the first has every
-   !> beat; error of the rate then, over the rate.
-   real(dp), parameter :: closely = 1e-4_dp, cautious = 0.01_dp
+   !> beat; likewise from half of the first part to the first, below which no second is needed; error of the rate then, over the rate.
+   real(dp), parameter :: closely = 1e-4_dp, very_closely = 3e-5_dp, cautious = 0.01_dp
 
    type :: growth_type
       !> Real part of the largest Floquet exponent and its estimated error [1/dimensionless time]; NaN: interrupted.
@@ -72,13 +72,13 @@ contains
       log_scale = 0
       change = huge(change)
       confirmed = .true.
-      cycles = first_cycles
+      cycles = first_cycles/2
       do while (growth%time < period)
          time = cycle*nearest_return(motion%system, cycles, cycles + cycles/2)
          if (time > almost_whole*period) time = period
          call monodromy%integrate_from(motion, frequency_ratio, growth%time, time - growth%time)
          confirmed = confirmed .and. monodromy%confirmed
-         if (cycles == first_cycles) then
+         if (cycles < first_cycles) then
             product = monodromy%transposed
          else
             before = product
@@ -95,6 +95,8 @@ contains
          if (cycles > first_cycles) change = [abs(rate - growth%rate), change(1)/2]
          if (cycles == 2*first_cycles .and. .not. growth%time < beat .and. change(1) < closely*abs(rate)) &
             change(2) = cautious*abs(rate)
+         if (cycles == first_cycles .and. .not. time < beat .and. abs(rate - growth%rate) < very_closely*abs(rate)) &
+            change = cautious*abs(rate)
          if (.not. time < period) change = 0
          growth = growth_type(rate=rate, error=maxval(change) + neutral/time, time=time)
          growth%sure = confirmed .and. abs(rate) > surely*growth%error .and. .not. time < min(beat, period)
