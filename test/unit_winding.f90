@@ -3,10 +3,13 @@ module unit_winding
    use fixtures, only: paper_train, update_contact
    use geartrain, only: dp, train_type
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_mesh_load, only: force_reader_type, load_resolution, mesh_load_type
+   use geartrain_balance_torus_extremes, only: find_torus_extremes
    use geartrain_balance_whole_contacts, only: find_whole_contacts
    use geartrain_balance_winding, only: find_winding, winding_type
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_linalg_fftw, only: transform_type
+   use geartrain_linalg_trigonometric, only: fine_samples, sample
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
    use geartrain_network_system, only: build_system, system_type
@@ -28,6 +31,7 @@ contains
       if (tests%runs('coefficients')) call coefficients(tests)
       if (tests%runs('balance')) call same_balance(tests)
       if (tests%runs('whole_contacts')) call whole_contacts(tests)
+      if (tests%runs('extremes')) call extremes(tests)
    end subroutine winding_tests
 
    !> A train that has no more than the excitation of meshes of these orders, three harmonics each.
@@ -231,5 +235,63 @@ contains
          end associate
       end do
    end subroutine whole_contacts
+
+   !> Extremes over all phases of two sources, of a waveform with flat tops, in closed form but for a search over one phase. Over the
+   !> period of 8009 cycles nearly all phases come together.
+   subroutine extremes(tests)
+      class(tests_type), intent(inout) :: tests
+      integer, parameter :: order(2) = [8009, 8013], harmonic(3) = [order, 3*order(1)], searched = 100000
+      real(dp), parameter :: pi = acos(-1.0_dp), frequency_ratio = 0.8_dp/order(1), amplitude(3) = [0.5_dp, 0.3_dp, -0.12_dp]
+      type(train_type) :: train
+      type(system_type), target :: system
+      type(winding_type) :: winding, none
+      type(force_reader_type) :: reader
+      type(mesh_load_type) :: of_period, of_phases
+      type(transform_type) :: transform
+      real(dp) :: u(7), smallest, largest, swing, top, phase, kappa, rate(2)
+      integer :: i
+
+      train = paper_train(0.3_dp)
+      train%meshes%order = order
+      call build_system(train, system)
+      call find_winding(system, 12, winding)
+      call tests%is_true(system%static_force(system%mesh_element(1)) > 0, 'the drive flank bears')
+      u = [system%half_backlash(1) + 1.2_dp, amplitude(1), 0.0_dp, amplitude(2)*cos(1.0_dp), amplitude(2)*sin(1.0_dp), &
+           amplitude(3), 0.0_dp]
+      associate (law => system%law(1))
+         rate = law%damping(1)*frequency_ratio*order
+         top = 0
+         swing = 0
+         do i = 1, searched
+            phase = 2*pi*i/searched
+            swing = max(swing, amplitude(1)*cos(phase) + amplitude(3)*cos(3*phase) + amplitude(2))
+            kappa = law%stiffness_at(1, phase/order(1))
+            top = max(top, kappa*(u(1) - law%origin(1) + amplitude(1)*cos(phase) + amplitude(3)*cos(3*phase)) &
+                      - rate(1)*(amplitude(1)*sin(phase) + 3*amplitude(3)*sin(3*phase)) + amplitude(2)*hypot(kappa, rate(2)))
+         end do
+      end associate
+      call find_torus_extremes(winding, u, harmonic, transform, smallest, largest)
+      call tests%is_close(largest, u(1) + swing, 1e-8_dp, 'largest displacement')
+      call tests%is_close(smallest, u(1) - swing, 1e-8_dp, 'smallest displacement')
+      call read(winding, of_phases)
+      call read(none, of_period)
+      call tests%is_close(of_phases%force_maximum/(top*system%load_unit(1)), 1.0_dp, 1e-8_dp, 'largest force')
+      call tests%is_close(of_period%force_maximum/(top*system%load_unit(1)), 1.0_dp, 1e-6_dp, 'largest force of the period')
+      call tests%is_true(of_period%force_maximum < of_phases%force_maximum*(1 + 1e-10_dp), 'the period has some of the phases')
+
+   contains
+
+      subroutine read(winding, load)
+         type(winding_type), intent(in) :: winding
+         type(mesh_load_type), intent(inout) :: load
+
+         call transform%plan(fine_samples(winding%shortened( &
+            load_resolution(system%law(1), 1, frequency_ratio, u, harmonic, norm2(amplitude)))))
+         call reader%setup(system, 1, 1, winding, transform)
+         call sample(u, winding%place_of(harmonic), transform)
+         call reader%read(system, 1, frequency_ratio, u, harmonic, transform, load)
+      end subroutine read
+
+   end subroutine extremes
 
 end module unit_winding

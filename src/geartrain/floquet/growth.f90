@@ -28,7 +28,7 @@ module geartrain_floquet_growth
    !> Distance of a rate from 0, over its error, above which its sign is decided [1].
    real(dp), parameter :: surely = 4
    !> Change of the rate from the first part to the second, over the rate, below which no third is needed where the first has every
-   !> beat; likewise from half of the first part to the first, below which no second is needed; error of the rate then, over the rate.
+   !> beat; likewise from half of the first part to the first, for no second; error of the rate then, over the rate.
    real(dp), parameter :: closely = 1e-4_dp, very_closely = 3e-5_dp, cautious = 0.01_dp
 
    type :: growth_type
