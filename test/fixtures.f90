@@ -9,8 +9,8 @@ module fixtures
    use geartrain_mesh_law_contact, only: contact_type
    implicit none (type, external)
    private
-   public :: body, closest, linear_pair, long_train, paper_train, random_train, rattling_pair, rectangular, reducer, ring, &
-             settings_of, single_pair, slow_train, uniform, update_contact
+   public :: body, closest, linear_pair, long_train, paper_train, planetary_stage, random_train, rattling_pair, rectangular, &
+             reducer, ring, settings_of, single_pair, slow_train, uniform, update_contact
 
 contains
 
@@ -41,6 +41,32 @@ contains
          train%meshes(j)%stiffness_cos = [kappa]
       end do
    end function paper_train
+
+   !> A set with its ring held, driven at the sun, in short form.
+   function planetary_stage(teeth, planets) result(train)
+      integer, intent(in) :: teeth(3), planets
+      type(train_type) :: train
+
+      train%characteristic_length = 1e-5_dp
+      train%characteristic_frequency = 2e4_dp
+      train%bodies = [body('sun', 8.2e-4_dp, 300.0_dp), body('ring', 0.0_dp), body('arm', 0.085_dp, balances=.true.)]
+      train%bodies(2)%held = .true.
+      allocate (train%shafts(0), train%meshes(0), train%planetaries(1))
+      associate (set => train%planetaries(1))
+         set%name = 's'
+         set%sun = 'sun'
+         set%ring = 'ring'
+         set%carrier = 'arm'
+         set%teeth = real(teeth, dp)
+         set%planets = planets
+         set%normal_module = 4e-3_dp
+         set%planet_inertia = 2.2e-3_dp
+         set%stiffness = [1e9_dp, 1.2e9_dp]
+         set%half_backlash = [20e-6_dp, 25e-6_dp]
+         set%damping_ratio = [0.03_dp]
+         set%stiffness_harmonics = 2
+      end associate
+   end function planetary_stage
 
    !> x'' + 2 zeta x' + (1 + kappa cos Lambda t) g(x) = f with b = 1: two gears on rigid shafts without machines; r = 1 m,
    !> I = 2 kg m^2 each (mass 1 kg along the line of action), k = 1 N/m, b = 1 m, torque f N m.

@@ -1,6 +1,6 @@
 !> Planetary sets in short form: what they expand to, how planets share the load at rest, and their symmetry.
 module unit_planetary
-   use fixtures, only: body
+   use fixtures, only: planetary_stage
    use geartrain, only: dp, error_type, train_type
    use geartrain_balance_balance, only: balance_type
    use geartrain_balance_bordered_system, only: bordered_system_type
@@ -38,32 +38,6 @@ contains
       if (tests%runs('modes')) call modes_told(tests)
    end subroutine planetary_tests
 
-   !> A set with its ring held, driven at the sun, in short form.
-   function stage(teeth, planets) result(train)
-      integer, intent(in) :: teeth(3), planets
-      type(train_type) :: train
-
-      train%characteristic_length = 1e-5_dp
-      train%characteristic_frequency = 2e4_dp
-      train%bodies = [body('sun', 8.2e-4_dp, 300.0_dp), body('ring', 0.0_dp), body('arm', 0.085_dp, balances=.true.)]
-      train%bodies(2)%held = .true.
-      allocate (train%shafts(0), train%meshes(0), train%planetaries(1))
-      associate (set => train%planetaries(1))
-         set%name = 's'
-         set%sun = 'sun'
-         set%ring = 'ring'
-         set%carrier = 'arm'
-         set%teeth = real(teeth, dp)
-         set%planets = planets
-         set%normal_module = 4e-3_dp
-         set%planet_inertia = 2.2e-3_dp
-         set%stiffness = [1e9_dp, 1.2e9_dp]
-         set%half_backlash = [20e-6_dp, 25e-6_dp]
-         set%damping_ratio = [0.03_dp]
-         set%stiffness_harmonics = 2
-      end associate
-   end function stage
-
    !> Bodies, meshes, phases and errors of a set.
    subroutine expansion(tests)
       class(tests_type), intent(inout) :: tests
@@ -73,7 +47,7 @@ contains
       real(dp) :: lag
       integer :: n
 
-      train = stage([26, 31, 88], planets)
+      train = planetary_stage([26, 31, 88], planets)
       train%planetaries(1)%planet_errors = [0.0_dp, 5e-6_dp, -2e-6_dp]
       call expand_planetaries(train, error)
       call tests%is_true(.not. allocated(error), 'a set in order')
@@ -110,7 +84,7 @@ contains
          type(train_type) :: train
          type(error_type), allocatable :: error
 
-         train = stage(teeth, planets)
+         train = planetary_stage(teeth, planets)
          call expand_planetaries(train, error)
          call tests%is_true(allocated(error), what)
          if (allocated(error)) call tests%is_true(index(error%message, variable) > 0, what//': told by name')
@@ -138,7 +112,7 @@ contains
          real(dp) :: level, known(3)
          logical :: bears(3)
 
-         train = stage([27, 36, 99], 3)
+         train = planetary_stage([27, 36, 99], 3)
          train%planetaries(1)%planet_errors = place
          call expand_planetaries(train, error)
          call build_system(train, system)
@@ -169,7 +143,7 @@ contains
       type(error_type), allocatable :: error
       type(kinematics_type) :: found
 
-      train = stage([27, 36, 99], 3)
+      train = planetary_stage([27, 36, 99], 3)
       call expand_planetaries(train, error)
       train%bodies(4)%revolution_torque_cos = [1.0_dp]
       call find_kinematics(train, found)
@@ -207,7 +181,7 @@ contains
          type(symmetry_type), allocatable :: symmetries(:)
          type(error_type), allocatable :: error
 
-         train = stage(teeth, planets)
+         train = planetary_stage(teeth, planets)
          if (change == 1) train%planetaries(1)%planet_errors = [0.0_dp, 1e-6_dp, 0.0_dp]
          call expand_planetaries(train, error)
          call tests%is_true(.not. allocated(error), what//': a set in order')
@@ -251,7 +225,7 @@ contains
          logical :: regular
          integer :: k
 
-         train = stage(teeth, planets)
+         train = planetary_stage(teeth, planets)
          call expand_planetaries(train, error)
          call build_system(train, system)
          call find_symmetries(train, system, symmetries)
@@ -261,7 +235,7 @@ contains
          allocate (u(balance%block, balance%unknowns), source=0.0_dp)
          allocate (right, rest, x, product, mold=u)
          if (size(sets) > 0) call fixed%find(system, sets, u, u)
-         if (fixed%is_whole()) call turn%find(system, symmetries, balance%mesh, balance%harmonic, u, u)
+         if (fixed%is_whole()) call turn%find(system, symmetries, balance%winding, balance%mesh, balance%harmonic, u, u)
          call tests%is_true(fixed%joins() .or. allocated(turn%orbit), what//': planets move alike')
          call random_number(u)
          u = u*spread([1.0_dp, (0.3_dp/(1 + k/2)**2, k=2, balance%block)], 2, balance%unknowns)
@@ -308,7 +282,7 @@ contains
       integer :: k, motion, sign(motions), exact_sign(motions)
       logical :: regular
 
-      train = stage([26, 31, 88], 3)
+      train = planetary_stage([26, 31, 88], 3)
       train%planetaries(1)%planet_errors = [0.0_dp, 5e-6_dp, -2e-6_dp]
       call expand_planetaries(train, error)
       call build_system(train, system)
@@ -375,11 +349,11 @@ contains
          motions(i)%minimum = -motions(i)%rms
          motions(i)%maximum = motions(i)%rms
       end do
-      train = stage([26, 31, 88], 3)
+      train = planetary_stage([26, 31, 88], 3)
       call expand_planetaries(train, error)
       call number_orbits(train, motions, orbit)
       call tests%is_true(all(orbit == [1, 1, 2, 3, 4]), 'sequential: a turn of all planets')
-      train = stage([27, 36, 99], 3)
+      train = planetary_stage([27, 36, 99], 3)
       call expand_planetaries(train, error)
       call number_orbits(train, motions, orbit)
       call tests%is_true(all(orbit == [1, 1, 1, 2, 3]), 'in phase: any order of the planets')
@@ -392,7 +366,7 @@ contains
       type(error_type), allocatable :: error
       type(modes_type) :: modes
 
-      train = stage([20, 20, 60], 5)
+      train = planetary_stage([20, 20, 60], 5)
       call expand_planetaries(train, error)
       call natural_modes(train, modes, error)
       call tests%is_true(count(modes%kind == 'torsional') == 2 .and. count(modes%kind == 'planets of s') == 4, 'equal planets')

@@ -1,17 +1,24 @@
 !> The short period on which contacts of long periods are found: places of harmonics, and coefficients against the whole period.
 module unit_winding
-   use fixtures, only: paper_train, update_contact
-   use geartrain, only: dp, train_type
+   use fixtures, only: body, paper_train, planetary_stage, update_contact
+   use geartrain, only: dp, error_type, train_type
    use geartrain_balance_balance, only: balance_type
+   use geartrain_balance_bordered_system, only: bordered_system_type
+   use geartrain_balance_fixed_space, only: fixed_space_type
    use geartrain_balance_mesh_load, only: force_reader_type, load_resolution, mesh_load_type
+   use geartrain_balance_planet_turn, only: planet_turn_type
+   use geartrain_balance_symmetric_space, only: find_symmetric_space
    use geartrain_balance_torus_extremes, only: find_torus_extremes
    use geartrain_balance_whole_contacts, only: find_whole_contacts
    use geartrain_balance_winding, only: find_winding, winding_type
+   use geartrain_drawing_planetary_expansion, only: expand_planetaries
    use geartrain_floquet_motion_contacts, only: motion_contacts_type
    use geartrain_linalg_fftw, only: transform_type
    use geartrain_linalg_trigonometric, only: fine_samples, sample
    use geartrain_mesh_law_contact, only: contact_type
    use geartrain_mesh_law_law, only: law_type
+   use geartrain_network_equal_branches, only: equal_branches_type
+   use geartrain_network_planet_symmetry, only: find_symmetries, symmetry_type
    use geartrain_network_system, only: build_system, system_type
    use testing, only: tests_type
    implicit none (type, external)
@@ -32,6 +39,7 @@ contains
       if (tests%runs('balance')) call same_balance(tests)
       if (tests%runs('whole_contacts')) call whole_contacts(tests)
       if (tests%runs('extremes')) call extremes(tests)
+      if (tests%runs('planets')) call planets(tests)
    end subroutine winding_tests
 
    !> A train that has no more than the excitation of meshes of these orders, three harmonics each.
@@ -236,8 +244,8 @@ contains
       end do
    end subroutine whole_contacts
 
-   !> Extremes over all phases of two sources, of a waveform with flat tops, in closed form but for a search over one phase. Over the
-   !> period of 8009 cycles nearly all phases come together.
+   !> Extremes over all phases of two sources, of a waveform with flat tops, in closed form but for a search over one phase. The
+   !> period of 8009 cycles has nearly all phases.
    subroutine extremes(tests)
       class(tests_type), intent(inout) :: tests
       integer, parameter :: order(2) = [8009, 8013], harmonic(3) = [order, 3*order(1)], searched = 100000
@@ -293,5 +301,94 @@ contains
       end subroutine read
 
    end subroutine extremes
+
+   !> Two sets in line whose meshes repeat together after thousands of cycles: on the torus of their phases the planets of each move
+   !> one after the other. The balance leaves these motions to themselves, and one planet of each set stands for all.
+   subroutine planets(tests)
+      class(tests_type), intent(inout) :: tests
+      type(train_type) :: train
+      type(system_type), target :: system
+      type(symmetry_type), allocatable :: symmetries(:)
+      type(balance_type) :: balance
+      type(bordered_system_type) :: matrix
+      type(fixed_space_type) :: fixed
+      type(planet_turn_type) :: turn
+      type(winding_type) :: winding
+      type(equal_branches_type) :: none(0)
+      type(error_type), allocatable :: error
+      real(dp), allocatable :: u(:, :), rest(:, :), x(:, :), whole(:, :)
+      integer, allocatable :: harmonic(:)
+      real(dp) :: y
+      logical :: regular
+      integer :: k, l, order(2)
+
+      train = planetary_stage([19, 29, 77], 4)
+      train%bodies = [train%bodies(:2), body('arm', 0.085_dp), body('ring 2', 0.0_dp), body('arm 2', 0.4_dp, balances=.true.)]
+      train%bodies(4)%held = .true.
+      train%planetaries = [train%planetaries, train%planetaries]
+      associate (set => train%planetaries(2))
+         set%name = 't'
+         set%sun = 'arm'
+         set%ring = 'ring 2'
+         set%carrier = 'arm 2'
+         set%teeth = [17.0_dp, 25.0_dp, 67.0_dp]
+      end associate
+      call expand_planetaries(train, error)
+      call tests%is_true(.not. allocated(error), 'two sets in order')
+      if (allocated(error)) return
+      call build_system(train, system)
+      call find_symmetries(train, system, symmetries)
+      call tests%is_true(size(symmetries) == 2, 'both are symmetric')
+      if (size(symmetries) /= 2) return
+      order = symmetries%order
+      call tests%is_true(all(order == [6468, 1139]) .and. all(abs(symmetries%shift) > 0), 'by a shift of their own phase')
+      call find_winding(system, 12, winding)
+      call tests%is_true(winding%cycles > 0, 'a winding')
+      if (winding%cycles == 0) return
+      harmonic = [(k*order(2), k=1, 4), ((l*order(1) + k*order(2), k=-4, 4), l=1, 2)]
+      call balance%setup(system, maxval(harmonic), 1, 0, harmonic, winding=winding)
+      call matrix%setup(balance)
+      allocate (u(balance%block, balance%unknowns), source=0.0_dp)
+      allocate (rest, x, whole, mold=u)
+      call find_symmetric_space(balance, none, symmetries, u, u, fixed, turn)
+      call tests%is_true(allocated(turn%orbit) .and. balance%independent == 4, 'four meshes stand for sixteen')
+      call random_seed(put=[(k, k=1, 64)])
+      call random_number(u)
+      u = 0.1_dp*(u - 0.5_dp)
+      u(1, :) = system%half_backlash(balance%mesh) + 0.8_dp
+      call turn%project(u)
+      call tests%is_true(count(turn%still) > 0 .and. maxval(abs(u(2:, :))) > 0.01_dp, 'some harmonics have no amplitude')
+      call balance%evaluate(u, 0.9_dp/order(1))
+      call tests%is_true(.not. balance%parts(), 'in contact')
+      rest = balance%residual
+      call matrix%linearize(balance)
+      matrix%row = 0
+      matrix%corner = 1
+      call matrix%factor(balance, regular, fixed, turn)
+      x = rest
+      call turn%project(x)
+      call tests%is_close(maxval(abs(x(2:, :) - rest(2:, :)))/maxval(abs(rest)), 0.0_dp, 1e-12_dp, 'the residual has the symmetry')
+      x = rest
+      y = 0
+      call matrix%solve(balance, x, y)
+      call tests%is_true(regular, 'a regular matrix')
+      call matrix%linearize(balance)
+      matrix%row = 0
+      matrix%corner = 1
+      call matrix%factor(balance, regular)
+      whole = rest
+      y = 0
+      call matrix%solve(balance, whole, y)
+      call tests%is_close(maxval(abs(x - whole)), 0.0_dp, 1e-11_dp*maxval(abs(x)), 'the solution is that of the whole matrix')
+      ! Where teeth part the coefficients of the winding have small errors.
+      u(1, :) = system%half_backlash(balance%mesh) + 0.05_dp
+      u(2:, :) = 4*u(2:, :)
+      call balance%evaluate(u, 0.9_dp/order(1))
+      rest = balance%residual
+      call turn%project(rest)
+      call tests%is_true(balance%parts(), 'teeth part')
+      call tests%is_close(maxval(abs(balance%residual(2:, :) - rest(2:, :)))/maxval(abs(rest)), 0.0_dp, 1e-3_dp, &
+                          'the symmetry of a residual where teeth part')
+   end subroutine planets
 
 end module unit_winding

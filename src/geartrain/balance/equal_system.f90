@@ -34,6 +34,7 @@ module geartrain_balance_equal_system
       procedure :: solve
       procedure :: project
       procedure, private :: fill
+      procedure, private :: clear
    end type equal_system_type
 
 contains
@@ -105,6 +106,7 @@ contains
       self%matrix%corner = corner
       self%matrix%column = column(:, self%unknown)
       self%matrix%column(1, :) = matmul(self%inverse(self%unknown, :), column(1, :))
+      call self%clear(self%matrix%column)
       do j = 1, whole%graph%nodes
          part(1, :) = row(:, j)
          if (allocated(self%turn%orbit)) call self%turn%turn_columns(j, part)
@@ -158,7 +160,32 @@ contains
             end do
          end do
       end associate
+      if (.not. allocated(self%turn%orbit)) return
+      do j = 1, self%graph%nodes
+         do k = 1, (whole%block - 1)/2
+            if (.not. self%turn%still(k, self%unknown(j))) cycle
+            ! Harmonics without amplitude, whose columns are 0, have equations of their own.
+            do m = self%graph%row(j), self%graph%row(j + 1) - 1
+               matrix%entry(2*k:2*k + 1, :, self%graph%entry_of(j, self%graph%column(m))) = 0
+            end do
+            matrix%entry(2*k, 2*k, self%graph%entry_of(j, j)) = 1
+            matrix%entry(2*k + 1, 2*k + 1, self%graph%entry_of(j, j)) = 1
+         end do
+      end do
    end subroutine fill
+
+   !> Clears harmonics that have no amplitude.
+   pure subroutine clear(self, x)
+      class(equal_system_type), intent(in) :: self
+      !> Right-hand side of the smaller system, (block, node).
+      real(dp), intent(inout) :: x(:, :)
+      integer :: k
+
+      if (.not. allocated(self%turn%orbit)) return
+      do k = 1, (size(x, 1) - 1)/2
+         where (spread(self%turn%still(k, self%unknown), 1, 2)) x(2*k:2*k + 1, :) = 0
+      end do
+   end subroutine clear
 
    !> Solves in place.
    subroutine solve(self, x, y)
@@ -169,6 +196,7 @@ contains
 
       one = x(:, self%unknown)
       one(1, :) = matmul(self%inverse(self%unknown, :), x(1, :))
+      call self%clear(one)
       call self%matrix%solve(one, y)
       x = one(:, self%node)
       if (allocated(self%turn%orbit)) call self%turn%turn(1, x)

@@ -45,6 +45,8 @@ module geartrain_balance_mesh_forces
       logical :: chosen = .false.
       !> Equal branches move equally on the branch that is followed: one of them is eliminated for all. Set by the caller.
       logical :: equal = .false.
+      !> Unknowns that move by themselves, for all of which elimination has rows; 0: all of them.
+      integer :: independent = 0
       !> Samples a period by which the coefficients are found; 0: the coefficients are exact.
       integer :: samples = 0
       !> phi [1], (block, unknown), and d phi/du [1], (1 + 2*explicit, 1 + 2*explicit, unknown), of the mean and the lowest
@@ -162,8 +164,10 @@ contains
       i = min(size(self%harmonic), explicit_of_many_chosen)
       if (self%is_wound()) then
          ! The products of a winding cost less than elimination of many rows.
-         if (size(self%harmonic) <= most_direct_chosen .and. &
-             (self%unknowns*self%block <= most_wound_rows .or. .not. self%parts())) i = size(self%harmonic)
+         associate (rows => merge(self%independent, self%unknowns, self%independent > 0)*self%block)
+            if (size(self%harmonic) <= most_direct_chosen .and. (rows <= most_wound_rows .or. .not. self%parts())) &
+               i = size(self%harmonic)
+         end associate
       else
          if (size(self%harmonic) <= most_direct_chosen) return
          if (self%parts() .and. size(self%harmonic) <= most_direct_parting) i = size(self%harmonic)

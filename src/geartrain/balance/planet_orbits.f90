@@ -58,6 +58,7 @@ contains
       place = [(i, i=1, size(place))]
       do i = 1, size(symmetries)
          associate (mesh => symmetries(i)%mesh)
+            if (symmetries(i)%order > 0) cycle
             n = size(mesh, 2)
             moved = mesh
             if (abs(symmetries(i)%shift) > 0) then

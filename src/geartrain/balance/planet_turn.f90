@@ -4,17 +4,34 @@
 !>
 !> The other motions come in pairs, whose parts of the Jacobian are conjugate and have a positive determinant; but with an even
 !> number of planets the motions in which each planet moves with the other sign than the one before are a part by themselves.
+!>
+!> A motion on the torus of the phases of several sources of excitation may have this symmetry for each of several sets, each with
+!> a shift of the phase of its own meshes alone. A harmonic is shifted by its number of this source. In what is no part of a set a
+!> harmonic that the shift would change has no amplitude.
 module geartrain_balance_planet_turn
    use geartrain_balance_fixed_space, only: average_equal, mean_equations
-   use geartrain_base_kinds, only: dp
+   use geartrain_balance_winding, only: winding_type
+   use geartrain_base_kinds, only: dp, pi
    use geartrain_network_planet_symmetry, only: symmetry_type
    use geartrain_network_system, only: system_type
    implicit none (type, external)
    private
    public :: planet_turn_type
 
-   !> Largest difference of two planets that move alike, over the largest coefficient.
-   real(dp), parameter :: same = 1e-7_dp
+   !> Largest difference of two planets that move alike, over the largest coefficient; the same of a motion and of a direction on a
+   !> winding, whose coefficients have errors where teeth part.
+   real(dp), parameter :: same = 1e-7_dp, same_on_torus(2) = [1e-5_dp, 1e-2_dp]
+   !> Rounding of a whole number of turns.
+   real(dp), parameter :: rounding = 1e-6_dp
+
+   !> A set whose planets move so.
+   type :: set_type
+      !> Planets of the set before that of an unknown; -1: the unknown is no part of it, (unknown).
+      integer, allocatable :: place(:)
+      !> Shift from planet to planet [rad of Lambda], and order of the source whose phase alone it is; 0: a shift in time.
+      real(dp) :: shift = 0
+      integer :: order = 0
+   end type set_type
 
    type :: planet_turn_type
       !> Unknown that stands for each, (unknown); not allocated: the motions have no such symmetry.
@@ -24,26 +41,32 @@ module geartrain_balance_planet_turn
       !> Cosine and sine of the angle by which each harmonic of an unknown is behind that of the one that stands for it,
       !> (harmonic, unknown).
       real(dp), allocatable :: cosine(:, :), sine(:, :)
-      !> Shift of each unknown [rad of Lambda], (unknown).
-      real(dp), allocatable, private :: shift(:)
-      !> Unknowns of every other planet; allocated for an even number of planets, (unknown).
+      !> Harmonics that have no amplitude, (harmonic, unknown).
+      logical, allocatable :: still(:, :)
+      !> Unknowns of every other planet; allocated for an even number of planets of a set alone, (unknown).
       logical, allocatable :: other(:)
+      !> The sets; the motions are on the torus of a winding.
+      type(set_type), allocatable, private :: set(:)
+      logical, private :: on_torus = .false.
    contains
       procedure :: find
       procedure :: take_harmonics
       procedure :: project
       procedure :: turn
       procedure :: turn_columns
+      procedure, private :: make
    end type planet_turn_type
 
 contains
 
-   !> Finds whether the planets of a set move so.
-   subroutine find(self, system, symmetries, mesh, harmonic, u, tangent)
+   !> Finds whether the planets of a set that is the whole train move so or, on the torus of a winding, of all sets.
+   subroutine find(self, system, symmetries, winding, mesh, harmonic, u, tangent)
       class(planet_turn_type), intent(inout) :: self
       type(system_type), intent(in) :: system
       !> Symmetric sets of the train.
       type(symmetry_type), intent(in) :: symmetries(:)
+      !> Winding of the balance; without cycles: none.
+      type(winding_type), intent(in) :: winding
       !> Mesh of each unknown, (unknown).
       integer, intent(in) :: mesh(:)
       !> Harmonics of the coefficients in multiples of Lambda.
@@ -51,66 +74,131 @@ contains
       !> A motion, and a direction in which it is to be followed: coefficients of the unknown meshes [1], (block, unknown).
       real(dp), intent(in) :: u(:, :), tangent(:, :)
       type(planet_turn_type) :: next
-      integer :: at(2), i, k, n
+      logical :: suits(size(symmetries))
+      real(dp) :: allowed(2)
+      integer :: i, k
 
       if (allocated(self%orbit)) deallocate (self%orbit)
       if (allocated(self%other)) deallocate (self%other)
       do i = 1, size(symmetries)
-         associate (places => symmetries(i)%mesh, shift => symmetries(i)%shift)
-            n = size(places, 2)
-            if (size(places) /= size(mesh) .or. .not. abs(shift) > 0) cycle
-            if (.not. all([(any(places == mesh(k)), k=1, size(mesh))])) cycle
-            next%orbit = mesh
-            next%shift = [(0.0_dp, k=1, size(mesh))]
-            next%other = [(.false., k=1, size(mesh))]
-            do k = 1, size(mesh)
-               ! The mesh among those of its planet, and the planet.
-               at = findloc(places, mesh(k))
-               next%orbit(k) = findloc(mesh, places(at(1), 1), 1)
-               next%shift(k) = (at(2) - 1)*shift
-               next%other(k) = mod(at(2), 2) == 0
-            end do
-            call next%take_harmonics(harmonic)
-            if (.not. (moves_so(u) .and. moves_so(tangent))) cycle
-            call mean_equations(system, next%mean, next%inverse)
-            if (.not. allocated(next%inverse)) cycle
-            self%orbit = next%orbit
-            self%shift = next%shift
-            if (mod(n, 2) == 0) self%other = next%other
-            self%mean = next%mean
-            self%inverse = next%inverse
-            self%cosine = next%cosine
-            self%sine = next%sine
-            return
+         associate (places => symmetries(i)%mesh, shift => symmetries(i)%shift, order => symmetries(i)%order)
+            if (winding%cycles > 0) then
+               suits(i) = winding%source_of(order) > 0 .or. .not. abs(shift) > 0
+            else
+               suits(i) = order == 0 .and. abs(shift) > 0 .and. size(places) == size(mesh) .and. &
+                          all([(any(places == mesh(k)), k=1, size(mesh))])
+            end if
          end associate
       end do
+      i = findloc(suits, .true., 1)
+      if (i == 0) return
+      if (winding%cycles == 0) suits(i + 1:) = .false.
+      call next%make(pack(symmetries, suits), winding, mesh)
+      call next%take_harmonics(harmonic, winding)
+      allowed = same
+      if (next%on_torus) allowed = same_on_torus
+      if (.not. (moves_so(u, allowed(1)) .and. moves_so(tangent, allowed(2)))) return
+      call mean_equations(system, next%mean, next%inverse)
+      if (.not. allocated(next%inverse)) return
+      select type (self)
+      type is (planet_turn_type)
+         self = next
+      end select
 
    contains
 
       !> Whether all planets move as the first one does, each by its own shift later.
-      logical function moves_so(x)
-         real(dp), intent(in) :: x(:, :)
+      logical function moves_so(x, allowed)
+         real(dp), intent(in) :: x(:, :), allowed
          real(dp) :: turned(size(x, 1), size(x, 2))
 
          turned = x(:, next%orbit)
          call next%turn(1, turned)
-         moves_so = maxval(abs(turned - x)) <= same*maxval(abs(x))
+         moves_so = maxval(abs(turned - x)) <= allowed*maxval(abs(x))
       end function moves_so
 
    end subroutine find
 
-   !> Takes the harmonics of the coefficients; to be called whenever they change.
-   pure subroutine take_harmonics(self, harmonic)
+   !> Takes the sets.
+   subroutine make(self, symmetries, winding, mesh)
+      class(planet_turn_type), intent(inout) :: self
+      type(symmetry_type), intent(in) :: symmetries(:)
+      type(winding_type), intent(in) :: winding
+      integer, intent(in) :: mesh(:)
+      integer :: at(2), i, k
+
+      self%on_torus = winding%cycles > 0
+      self%orbit = [(k, k=1, size(mesh))]
+      allocate (self%set(size(symmetries)))
+      do i = 1, size(symmetries)
+         associate (places => symmetries(i)%mesh, set => self%set(i))
+            set%shift = symmetries(i)%shift
+            set%order = symmetries(i)%order
+            allocate (set%place(size(mesh)), source=-1)
+            do k = 1, size(mesh)
+               ! The mesh among those of its planet, and the planet.
+               at = findloc(places, mesh(k))
+               if (at(2) == 0) cycle
+               set%place(k) = at(2) - 1
+               self%orbit(k) = findloc(mesh, places(at(1), 1), 1)
+            end do
+            if (.not. self%on_torus .and. mod(size(places, 2), 2) == 0) self%other = mod(set%place, 2) == 1
+         end associate
+      end do
+   end subroutine make
+
+   !> Takes the harmonics of the coefficients; to be called whenever they change. Without a winding the symmetry on the torus of one
+   !> is given up.
+   pure subroutine take_harmonics(self, harmonic, winding)
       class(planet_turn_type), intent(inout) :: self
       !> Multiples of Lambda.
       integer, intent(in) :: harmonic(:)
-      integer :: j, k
+      !> Winding of the balance; without cycles: none.
+      type(winding_type), intent(in) :: winding
+      real(dp) :: angle(size(harmonic)), shift(size(harmonic))
+      integer :: j, s
 
       if (.not. allocated(self%orbit)) return
-      self%cosine = reshape([((cos(harmonic(k)*self%shift(j)), k=1, size(harmonic)), j=1, size(self%shift))], &
-                            [size(harmonic), size(self%shift)])
-      self%sine = reshape([((sin(harmonic(k)*self%shift(j)), k=1, size(harmonic)), j=1, size(self%shift))], &
-                          [size(harmonic), size(self%shift)])
+      if (self%on_torus .and. winding%cycles == 0) then
+         deallocate (self%orbit)
+         return
+      end if
+      if (allocated(self%cosine)) deallocate (self%cosine, self%sine, self%still)
+      allocate (self%cosine(size(harmonic), size(self%orbit)), self%sine(size(harmonic), size(self%orbit)), &
+                self%still(size(harmonic), size(self%orbit)))
+      do j = 1, size(self%orbit)
+         angle = 0
+         self%still(:, j) = .false.
+         do s = 1, size(self%set)
+            shift = shift_of(self%set(s))
+            associate (place => self%set(s)%place(j))
+               if (place >= 0) then
+                  angle = angle + place*shift
+               else
+                  self%still(:, j) = self%still(:, j) .or. abs(shift/(2*pi) - anint(shift/(2*pi))) > rounding
+               end if
+            end associate
+         end do
+         self%cosine(:, j) = merge(0.0_dp, cos(angle), self%still(:, j))
+         self%sine(:, j) = merge(0.0_dp, sin(angle), self%still(:, j))
+      end do
+
+   contains
+
+      !> Angles by which the harmonics are shifted from planet to planet [rad].
+      pure function shift_of(set) result(shift)
+         type(set_type), intent(in) :: set
+         real(dp) :: shift(size(harmonic))
+         integer :: numbers(winding%sources()), k
+
+         shift = harmonic*set%shift
+         if (set%order == 0) return
+         do k = 1, size(harmonic)
+            numbers = winding%numbers_of(harmonic(k))
+            shift(k) = numbers(winding%source_of(set%order))*set%order*set%shift
+         end do
+      end function shift_of
+
    end subroutine take_harmonics
 
    !> Takes the part of coefficients that has the symmetry.

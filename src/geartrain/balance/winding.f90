@@ -42,6 +42,7 @@ module geartrain_balance_winding
       procedure :: last_place
       procedure :: shortened
       procedure :: sources
+      procedure :: source_of
       procedure :: numbers_of
       procedure :: phases_at
       procedure :: wind
@@ -252,6 +253,15 @@ contains
 
       sources = size(self%source) + 1
    end function sources
+
+   !> Number of the source of an order; 0: there is none.
+   pure integer function source_of(self, order)
+      class(winding_type), intent(in) :: self
+      !> Order of a mesh.
+      integer, intent(in) :: order
+
+      source_of = findloc([self%whole, self%source], order, 1)
+   end function source_of
 
    !> Numbers k of the sources in the sum that a harmonic with a place is, the fastest first.
    pure function numbers_of(self, harmonic) result(numbers)

@@ -1,5 +1,6 @@
 !> Symmetric planetary sets: a turn of the planets by one place leaves the train as it is, but for a shift in time where the meshes
-!> of neighbouring planets are not in phase.
+!> of neighbouring planets are not in phase. Where other meshes of the train forbid this shift, it may be one of the phase of the
+!> meshes of the set alone: so it is of motions that live on the torus of the phases of all sources of excitation.
 module geartrain_network_planet_symmetry
    use geartrain_base_kinds, only: dp, pi
    use geartrain_base_series, only: series_type
@@ -22,6 +23,8 @@ module geartrain_network_planet_symmetry
       integer, allocatable :: mesh(:, :)
       !> Shift that goes with a turn by one place [rad of Lambda]; 0: all planets move alike, and any two may change places.
       real(dp) :: shift = 0
+      !> The shift is one of the phase of meshes of this order alone; 0: in time.
+      integer :: order = 0
    end type symmetry_type
 
 contains
@@ -36,7 +39,7 @@ contains
       type(train_type) :: plain
       type(planetary_set_type), allocatable :: sets(:)
       type(symmetry_type) :: symmetry
-      integer :: i, k
+      integer :: i, k, order
       real(dp) :: cycle_of_mesh
 
       allocate (symmetries(0))
@@ -47,12 +50,15 @@ contains
          symmetry%mesh = sets(i)%meshes
          if (.not. equal_planets(system, sets(i)%planets, symmetry%mesh)) cycle
          cycle_of_mesh = 2*pi/system%law(symmetry%mesh(1, 1))%order
-         do k = 0, size(symmetry%mesh, 2) - 1
-            symmetry%shift = k*cycle_of_mesh/size(symmetry%mesh, 2)
-            if (.not. is_invariant(system, symmetry)) cycle
-            symmetries = [symmetries, symmetry]
-            exit
-         end do
+         own: do order = 0, 1
+            symmetry%order = order*nint(system%law(symmetry%mesh(1, 1))%order)
+            do k = 0, size(symmetry%mesh, 2) - 1
+               symmetry%shift = k*cycle_of_mesh/size(symmetry%mesh, 2)
+               if (.not. is_invariant(system, symmetry)) cycle
+               symmetries = [symmetries, symmetry]
+               exit own
+            end do
+         end do own
       end do
    end subroutine find_symmetries
 
@@ -102,6 +108,20 @@ contains
          image(symmetry%mesh(:, j)) = symmetry%mesh(:, modulo(j, n) + 1)
       end do
       is_invariant = .false.
+      if (symmetry%order > 0) then
+         ! Harmonics of the order have the phase of the set, and no others.
+         do j = 1, system%meshes
+            if (any(symmetry%mesh == j)) then
+               if (.not. all(mod([system%law(j)%harmonic, system%transmission_error(j)%harmonic], symmetry%order) == 0)) return
+               if (.not. same_law(system%law(j), system%law(image(j)), symmetry%shift)) return
+               if (.not. same_series(system%transmission_error(j), system%transmission_error(image(j)), symmetry%shift)) return
+            else
+               if (any(mod([system%law(j)%harmonic, system%transmission_error(j)%harmonic], symmetry%order) == 0)) return
+            end if
+         end do
+         is_invariant = all([(all(mod(system%torque(j)%harmonic, symmetry%order) > 0), j=1, size(system%torque))])
+         return
+      end if
       do j = 1, system%meshes
          if (.not. same_law(system%law(j), system%law(image(j)), symmetry%shift)) return
          if (.not. same_series(system%transmission_error(j), system%transmission_error(image(j)), symmetry%shift)) return

@@ -6,6 +6,7 @@ module geartrain_trace_corrector
    use geartrain_balance_bordered_system, only: bordered_system_type
    use geartrain_balance_fixed_space, only: fixed_space_type
    use geartrain_balance_planet_turn, only: planet_turn_type
+   use geartrain_balance_symmetric_space, only: find_symmetric_space, note_equal
    use geartrain_base_kinds, only: dp
    use geartrain_linalg_trigonometric, only: inner
    use geartrain_network_equal_branches, only: equal_branches_type
@@ -91,7 +92,8 @@ contains
 
       call self%matrix%setup(self%balance)
       call self%fixed%half_period%take_harmonics(self%balance%harmonic/self%balance%repeats, self%balance%waves())
-      if (self%balance%waves() == 1) call self%turn%take_harmonics(self%balance%harmonic/self%balance%eta)
+      if (self%balance%waves() == 1) call self%turn%take_harmonics(self%balance%harmonic/self%balance%eta, self%balance%winding)
+      call note_equal(self%balance, self%fixed, self%turn)
       if (allocated(self%step)) deallocate (self%step)
       allocate (self%step(self%balance%block, self%balance%unknowns))
    end subroutine setup
@@ -104,12 +106,7 @@ contains
 
       if (allocated(self%turn%orbit)) deallocate (self%turn%orbit)
       if (.not. allocated(self%sets)) return
-      if (size(self%sets) > 0) call self%fixed%find(self%balance%system, self%sets, solution%u, solution%tangent)
-      self%balance%equal = .not. self%fixed%is_whole()
-      if (.not. allocated(self%symmetries) .or. .not. self%fixed%is_whole()) return
-      if (self%balance%waves() == 1 .and. self%balance%eta == 1) call self%turn%find( &
-         self%balance%system, self%symmetries, self%balance%mesh, self%balance%harmonic, solution%u, solution%tangent)
-      self%balance%equal = allocated(self%turn%orbit)
+      call find_symmetric_space(self%balance, self%sets, self%symmetries, solution%u, solution%tangent, self%fixed, self%turn)
    end subroutine keep_equal
 
    !> Solves at constant Lambda.
