@@ -116,8 +116,8 @@ contains
       end if
       self%latest = now
       self%steps = self%steps + 1
-      if (self%given) return
       self%share = max(self%share, self%share_done(done, value, case, results))
+      if (self%given) return
       elapsed = real(now - self%begin, dp)/real(rate, dp)
       if (.not. (elapsed > patience .and. self%share > self%share_before)) return
       if (analysis == 'response' .and. self%steps < least_points) return

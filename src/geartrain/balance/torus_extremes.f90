@@ -20,8 +20,8 @@ module geartrain_balance_torus_extremes
    !> Steps of Newton's method; largest change of a harmonic's phase in one [rad]; gain of a step, over the range, that ends it.
    integer, parameter :: most_steps = 20
    real(dp), parameter :: longest = 1, least_gain = 1e-10_dp
-   !> Gain over the one that the first step expects that a climb may have.
-   real(dp), parameter :: generous = 4
+   !> Gain over the one that a step expects that the rest of a climb may have.
+   real(dp), parameter :: generous = 30
    integer, parameter :: most_phases = 4
 
    !> Two sums of the same waves on the torus, of Re(amplitude exp(i numbers . phases)).
@@ -152,7 +152,7 @@ contains
             step = step*min(1.0_dp, longest/maxval(abs(step)*fastest))
             gain = dot_product(side*value%g(:size(start)), step)/2
             if (.not. gain > least_gain*range) return
-            if (i == 1 .and. side*value%f + generous*gain < top) return
+            if (side*value%f + generous*gain < top) return
             phase = phase + step
          end do
       end subroutine climb

@@ -247,11 +247,12 @@ contains
       if (self%cycles > 0) shortened = ceiling(real(harmonic, dp)*self%cycles/self%whole)
    end function shortened
 
-   !> Number of sources: of dimensions of the torus.
+   !> Number of sources: of dimensions of the torus. Without a winding 1.
    pure integer function sources(self)
       class(winding_type), intent(in) :: self
 
-      sources = size(self%source) + 1
+      sources = 1
+      if (self%cycles > 0) sources = size(self%source) + 1
    end function sources
 
    !> Number of the source of an order; 0: there is none.
