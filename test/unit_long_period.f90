@@ -147,8 +147,8 @@ contains
       end do
    end subroutine states_of_few
 
-   !> A branch ends after twenty motions with an error above 0.1, or five in a long period. Motions of the trace from the other end
-   !> are not counted.
+   !> A branch ends after twenty motions with an error above 0.1, or five in a long period. There 25 that miss the tolerance end it
+   !> too, or 15 in a row. Motions of the trace from the other end are not counted.
    subroutine out_of_reach(tests)
       class(tests_type), intent(inout) :: tests
       type(branch_type) :: branch
@@ -162,7 +162,10 @@ contains
       call tests%is_true(ends(41, .true.) .and. .not. ends(40, .true.), 'five motions of hunting teeth')
       branch%error_estimate = 2e-3_dp
       branch%segment = 1
-      call tests%is_true(ends(25, .true.) .and. .not. (ends(24, .true.) .or. ends(60, .false.)), 'twenty-five missed by little')
+      call tests%is_true(ends(15, .true.) .and. .not. (ends(14, .true.) .or. ends(60, .false.)), 'fifteen in a row')
+      branch%error_estimate(10) = 5e-4_dp
+      branch%error_estimate(20) = 5e-4_dp
+      call tests%is_true(ends(27, .true.) .and. .not. ends(26, .true.), 'twenty-five missed by little')
 
    contains
 

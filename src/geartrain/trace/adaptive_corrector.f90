@@ -102,6 +102,10 @@ contains
       chosen = self%chooses_sets .and. present(set)
       associate (own => self%settings)
          if (chosen) then
+            ! A short winding is enough again where no teeth part.
+            if (allocated(self%corrector%balance%contact)) then
+               if (.not. self%corrector%balance%parts()) self%weight = least_weight
+            end if
             if (self%winds(set)) then
                call self%corrector%balance%setup(system, harmonics, own%subharmonic, samples, set, own%repeats, self%winding(1))
                call self%exact%setup(system, harmonics, own%subharmonic, samples, set, own%repeats, self%winding(2))

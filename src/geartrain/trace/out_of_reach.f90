@@ -9,9 +9,9 @@ module geartrain_trace_out_of_reach
    private
    public :: find_out_of_reach
 
-   !> Points in a long period that may miss the tolerance; points in a long and in a short period that may have an estimate above
-   !> `useless`.
-   integer, parameter :: most_missed = 25, most_useless = 5, most_useless_of_short = 20
+   !> Points in a long period that may miss the tolerance, in all and in a row; points in a long and in a short period that may have
+   !> an estimate above `useless`.
+   integer, parameter :: most_missed = 25, most_in_a_row = 15, most_useless = 5, most_useless_of_short = 20
    real(dp), parameter :: useless = 0.1_dp
 
 contains
@@ -32,7 +32,7 @@ contains
       associate (n => branch%points)
          estimate = pack(branch%error_estimate(:n), branch%segment(:n) == branch%segment(n))
          if (count(estimate > useless) < merge(most_useless, most_useless_of_short, long) &
-             .and. .not. (long .and. count(estimate > tolerance) >= most_missed)) return
+             .and. .not. (long .and. (count(estimate > tolerance) >= most_missed .or. in_a_row() >= most_in_a_row))) return
          ! Doubled until only a quarter of the estimates that miss the tolerance miss this one.
          enough = 2*tolerance
          do while (4*count(estimate > enough) > count(estimate > tolerance))
@@ -42,6 +42,14 @@ contains
          if (enough < useless) reason = reason//'a tolerance of '//text(enough)//' is within reach; '
          reason = reason//'&integration follows such motions'
       end associate
+
+   contains
+
+      !> Latest points that all miss the tolerance.
+      integer function in_a_row()
+         in_a_row = size(estimate) - findloc(estimate <= tolerance, .true., 1, back=.true.)
+      end function in_a_row
+
    end subroutine find_out_of_reach
 
 end module geartrain_trace_out_of_reach
