@@ -23,22 +23,17 @@ contains
       !> The motion, and a direction in which it is to be followed: coefficients of the unknown meshes [1], (block, unknown).
       real(dp), intent(in) :: u(:, :), tangent(:, :)
       !> Which branches move equally.
-      type(fixed_space_type), intent(out) :: fixed
+      type(fixed_space_type), intent(inout) :: fixed
       !> Which planets move one after the other, where no branches move equally; on the torus of a winding those in phase as well.
       type(planet_turn_type), intent(out) :: turn
 
-      if (.not. balance%is_wound()) call find_equal()
+      ! On a winding planets in phase are found with the others.
+      if (size(sets) > 0) call fixed%find(balance%system, sets(:merge(0, size(sets), balance%is_wound())), u, tangent)
       if (fixed%is_whole() .and. allocated(symmetries) .and. balance%waves() == 1 .and. balance%eta == 1) &
          call turn%find(balance%system, symmetries, balance%winding, balance%mesh, balance%harmonic, u, tangent)
-      if (balance%is_wound() .and. .not. allocated(turn%orbit)) call find_equal()
+      if (size(sets) > 0 .and. balance%is_wound() .and. .not. allocated(turn%orbit)) &
+         call fixed%find(balance%system, sets, u, tangent)
       call note_equal(balance, fixed, turn)
-
-   contains
-
-      subroutine find_equal()
-         if (size(sets) > 0) call fixed%find(balance%system, sets, u, tangent)
-      end subroutine find_equal
-
    end subroutine find_symmetric_space
 
    !> Tells the balance which unknowns move equally.

@@ -19,7 +19,8 @@ module geartrain_floquet_growth
    private
    public :: find_growth, growth_type, shifted_rate
 
-   !> Cycles of the fastest mesh in the first part; the part grows by two until its rate is sure. Before it half as many.
+   !> Cycles of the fastest mesh in the first part, before which a quarter and half of it are looked at; the part grows by two until
+   !> its rate is sure.
    integer, parameter :: first_cycles = 32
    !> Cycles after which a rate that is not to be sure is left as it is, and any rate: the motion is next to neutral.
    integer, parameter :: rough_cycles = 128, most_cycles = 2048
@@ -28,8 +29,8 @@ module geartrain_floquet_growth
    !> Distance of a rate from 0, over its error, above which its sign is decided [1].
    real(dp), parameter :: surely = 4
    !> Change of the rate from the first part to the second, over the rate, below which no third is needed where the first has every
-   !> beat; likewise from half of the first part to the first, for no second; error of the rate then, over the rate.
-   real(dp), parameter :: closely = 1e-4_dp, very_closely = 3e-5_dp, cautious = 0.01_dp
+   !> beat; changes from a quarter to half of the first part and to the first, for no second; error of the rate then, over the rate.
+   real(dp), parameter :: closely = 1e-4_dp, very_closely(2) = [6e-5_dp, 3e-5_dp], cautious = 0.01_dp
 
    type :: growth_type
       !> Real part of the largest Floquet exponent and its estimated error [1/dimensionless time]; NaN: interrupted.
@@ -57,7 +58,7 @@ contains
       !> Error of the rate that is small enough, whether or not the sign is sure [1/dimensionless time]; absent: none is.
       real(dp), intent(in), optional :: enough
       real(dp) :: product(monodromy%states, monodromy%states), before(monodromy%states, monodromy%states)
-      real(dp) :: beat, change(2), cycle, log_scale, period, rate, scale, small, time
+      real(dp) :: beat, before_first(2), change(2), cycle, log_scale, period, rate, scale, small, time
       integer :: n, cycles
       logical :: confirmed, rough
 
@@ -72,13 +73,14 @@ contains
       log_scale = 0
       change = huge(change)
       confirmed = .true.
-      cycles = first_cycles/2
+      cycles = first_cycles/4
+      before_first = huge(before_first)
       do while (growth%time < period)
          time = cycle*nearest_return(motion%system, cycles, cycles + cycles/2)
          if (time > almost_whole*period) time = period
          call monodromy%integrate_from(motion, frequency_ratio, growth%time, time - growth%time)
          confirmed = confirmed .and. monodromy%confirmed
-         if (cycles < first_cycles) then
+         if (.not. growth%time > 0) then
             product = monodromy%transposed
          else
             before = product
@@ -95,7 +97,8 @@ contains
          if (cycles > first_cycles) change = [abs(rate - growth%rate), change(1)/2]
          if (cycles == 2*first_cycles .and. .not. growth%time < beat .and. change(1) < closely*abs(rate)) &
             change(2) = cautious*abs(rate)
-         if (cycles == first_cycles .and. .not. time < beat .and. abs(rate - growth%rate) < very_closely*abs(rate)) &
+         if (cycles <= first_cycles) before_first = [before_first(2), abs(rate - growth%rate)]
+         if (cycles == first_cycles .and. .not. time < beat .and. all(before_first < very_closely*abs(rate))) &
             change = cautious*abs(rate)
          if (.not. time < period) change = 0
          growth = growth_type(rate=rate, error=maxval(change) + neutral/time, time=time)
