@@ -93,7 +93,7 @@ contains
       i = findloc(suits, .true., 1)
       if (i == 0) return
       if (winding%cycles == 0) suits(i + 1:) = .false.
-      call next%make(pack(symmetries, suits), winding, mesh)
+      call next%make(symmetries, suits, winding, mesh)
       call next%take_harmonics(harmonic, winding)
       allowed = same
       if (next%on_torus) allowed = same_on_torus
@@ -119,19 +119,23 @@ contains
 
    end subroutine find
 
-   !> Takes the sets.
-   subroutine make(self, symmetries, winding, mesh)
+   !> Takes the sets that suit.
+   subroutine make(self, symmetries, suits, winding, mesh)
       class(planet_turn_type), intent(inout) :: self
       type(symmetry_type), intent(in) :: symmetries(:)
+      logical, intent(in) :: suits(:)
       type(winding_type), intent(in) :: winding
       integer, intent(in) :: mesh(:)
-      integer :: at(2), i, k
+      integer :: at(2), i, k, n
 
       self%on_torus = winding%cycles > 0
       self%orbit = [(k, k=1, size(mesh))]
-      allocate (self%set(size(symmetries)))
+      allocate (self%set(count(suits)))
+      n = 0
       do i = 1, size(symmetries)
-         associate (places => symmetries(i)%mesh, set => self%set(i))
+         if (.not. suits(i)) cycle
+         n = n + 1
+         associate (places => symmetries(i)%mesh, set => self%set(n))
             set%shift = symmetries(i)%shift
             set%order = symmetries(i)%order
             allocate (set%place(size(mesh)), source=-1)

@@ -149,7 +149,7 @@ contains
             end if
             top = max(top, side*value%f)
             call find_step(side*value%g(:size(start)), -side*value%h(:size(start), :size(start)), step)
-            step = step*min(1.0_dp, longest/maxval(abs(step)*fastest))
+            step = step*min(1.0_dp, longest/max(maxval(abs(step)*fastest), tiny(longest)))
             gain = dot_product(side*value%g(:size(start)), step)/2
             if (.not. gain > least_gain*range) return
             if (side*value%f + generous*gain < top) return
