@@ -15,7 +15,7 @@ module geartrain_balance_torus_extremes
    public :: find_torus_extremes, torus_force_top
 
    !> Maxima of the samples that are climbed from; depth below the highest, over the range of the samples, down to which they are.
-   integer, parameter :: most_climbed = 40
+   integer, parameter :: most_climbed = 16
    real(dp), parameter :: deepest = 0.1_dp
    !> Steps of Newton's method; largest change of a harmonic's phase in one [rad]; gain of a step, over the range, that ends it.
    integer, parameter :: most_steps = 20
@@ -24,7 +24,7 @@ module geartrain_balance_torus_extremes
    real(dp), parameter :: generous = 30
    integer, parameter :: most_phases = 4
 
-   !> Two sums of the same waves on the torus, of Re(amplitude exp(i numbers . phases)).
+   !> One or two sums of the same waves on the torus, of Re(amplitude exp(i numbers . phases)).
    type :: torus_waves_type
       !> Numbers of the waves, (source, wave).
       integer, allocatable :: numbers(:, :)
@@ -40,22 +40,24 @@ module geartrain_balance_torus_extremes
 
 contains
 
-   !> Waves of a displacement, with its derivative with respect to theta as the second sum.
-   pure function torus_waves(winding, u, harmonic) result(waves)
+   !> Waves of a displacement, if asked for with its derivative with respect to theta as the second sum.
+   pure function torus_waves(winding, u, harmonic, sums) result(waves)
       type(winding_type), intent(in) :: winding
       !> Coefficients, (coefficient).
       real(dp), intent(in) :: u(:)
       !> Harmonics of Lambda, all of which have places.
       integer, intent(in) :: harmonic(:)
+      !> 1 or 2.
+      integer, intent(in) :: sums
       type(torus_waves_type) :: waves
       integer :: k
 
-      allocate (waves%numbers(winding%sources(), size(harmonic)), waves%amplitude(size(harmonic), 2))
+      allocate (waves%numbers(winding%sources(), size(harmonic)), waves%amplitude(size(harmonic), sums))
       waves%mean = [u(1), 0.0_dp]
       do k = 1, size(harmonic)
          waves%numbers(:, k) = winding%numbers_of(harmonic(k))
          waves%amplitude(k, 1) = cmplx(u(2*k), -u(2*k + 1), dp)
-         waves%amplitude(k, 2) = cmplx(0, harmonic(k), dp)*waves%amplitude(k, 1)
+         if (sums == 2) waves%amplitude(k, 2) = cmplx(0, harmonic(k), dp)*waves%amplitude(k, 1)
       end do
    end function torus_waves
 
@@ -74,7 +76,7 @@ contains
 
       call transform%plan(fine_samples(winding%shortened(own_resolution(u, harmonic))))
       call sample(u, winding%place_of(harmonic), transform)
-      waves = torus_waves(winding, u, harmonic)
+      waves = torus_waves(winding, u, harmonic, 1)
       largest = top_of(winding, transform%sample, 1, waves)
       smallest = -top_of(winding, transform%sample, -1, waves)
    end subroutine find_torus_extremes
@@ -95,7 +97,7 @@ contains
       !> Lambda [1].
       real(dp), intent(in) :: frequency_ratio
 
-      top = top_of(winding, force, side, torus_waves(winding, u, harmonic), law, frequency_ratio)
+      top = top_of(winding, force, side, torus_waves(winding, u, harmonic, 2), law, frequency_ratio)
    end function torus_force_top
 
    !> Largest value of side*f on the torus, f by its waves, or the force by a law that they make.
@@ -191,11 +193,11 @@ contains
 
    end function top_of
 
-   !> Values of two sums of the same waves.
+   !> Values of one or two sums of the same waves.
    pure function sums(numbers, amplitude, mean, phase) result(value)
       integer, intent(in) :: numbers(:, :)
       complex(dp), intent(in) :: amplitude(:, :)
-      real(dp), intent(in) :: mean(:), phase(:)
+      real(dp), intent(in) :: mean(2), phase(:)
       type(value_type) :: value(2)
       real(dp) :: k(size(phase)), angle
       complex(dp) :: z, term
@@ -207,7 +209,7 @@ contains
          k = numbers(:, w)
          angle = dot_product(k, phase)
          z = cmplx(cos(angle), sin(angle), dp)
-         do j = 1, 2
+         do j = 1, size(amplitude, 2)
             term = amplitude(w, j)*z
             associate (value => value(j))
                value%f = value%f + term%re
@@ -227,7 +229,7 @@ contains
       real(dp), intent(in) :: mean, phase(:)
       type(value_type) :: both(2)
 
-      both = sums(numbers, reshape([amplitude, 0*amplitude], [size(amplitude), 2]), [mean, 0.0_dp], phase)
+      both = sums(numbers, reshape(amplitude, [size(amplitude), 1]), [mean, 0.0_dp], phase)
       value = both(1)
    end function one_sum
 

@@ -19,8 +19,8 @@ module geartrain_floquet_growth
    private
    public :: find_growth, growth_type, shifted_rate
 
-   !> Cycles of the fastest mesh in the first part, before which a quarter and half of it are looked at; the part grows by two until
-   !> its rate is sure.
+   !> Cycles of the fastest mesh in the first part, of which a quarter and half are kept; the part grows by two until its rate is
+   !> sure.
    integer, parameter :: first_cycles = 32
    !> Cycles after which a rate that is not to be sure is left as it is, and any rate: the motion is next to neutral.
    integer, parameter :: rough_cycles = 128, most_cycles = 2048
@@ -58,7 +58,9 @@ contains
       !> Error of the rate that is small enough, whether or not the sign is sure [1/dimensionless time]; absent: none is.
       real(dp), intent(in), optional :: enough
       real(dp) :: product(monodromy%states, monodromy%states), before(monodromy%states, monodromy%states)
-      real(dp) :: beat, before_first(2), change(2), cycle, log_scale, period, rate, scale, small, time
+      real(dp), allocatable :: early(:, :, :)
+      real(dp) :: early_scale(2), early_time(2)
+      real(dp) :: beat, change(2), mesh_cycle, log_scale, period, rate, scale, small, time
       integer :: n, cycles
       logical :: confirmed, rough
 
@@ -68,15 +70,19 @@ contains
       if (present(enough)) small = enough
       n = monodromy%states
       period = 2*pi*motion%eta/frequency_ratio/motion%repeats
-      cycle = 2*pi/(frequency_ratio*highest_order(motion%system))
+      mesh_cycle = 2*pi/(frequency_ratio*highest_order(motion%system))
       beat = 2*pi*motion%eta/(frequency_ratio*slowest_beat(motion%system))
       log_scale = 0
       change = huge(change)
       confirmed = .true.
-      cycles = first_cycles/4
-      before_first = huge(before_first)
+      cycles = first_cycles
+      ! Earlier parts tell something only where the first one has every beat.
+      if (.not. mesh_cycle*nearest_return(motion%system, first_cycles, first_cycles + first_cycles/2) < beat) then
+         cycles = first_cycles/4
+         allocate (early(n, n, 2))
+      end if
       do while (growth%time < period)
-         time = cycle*nearest_return(motion%system, cycles, cycles + cycles/2)
+         time = mesh_cycle*nearest_return(motion%system, cycles, cycles + cycles/2)
          if (time > almost_whole*period) time = period
          call monodromy%integrate_from(motion, frequency_ratio, growth%time, time - growth%time)
          confirmed = confirmed .and. monodromy%confirmed
@@ -93,13 +99,21 @@ contains
             log_scale = log_scale + log(scale)
          end if
          monodromy%transposed = product
+         if (cycles < first_cycles .and. time < period) then
+            early = reshape([early(:, :, 2), product], [n, n, 2])
+            early_scale = [early_scale(2), log_scale]
+            early_time = [early_time(2), time]
+            growth%time = time
+            cycles = 2*cycles
+            cycle
+         end if
          rate = (log_largest(monodromy) + log_scale)/time
          if (cycles > first_cycles) change = [abs(rate - growth%rate), change(1)/2]
          if (cycles == 2*first_cycles .and. .not. growth%time < beat .and. change(1) < closely*abs(rate)) &
             change(2) = cautious*abs(rate)
-         if (cycles <= first_cycles) before_first = [before_first(2), abs(rate - growth%rate)]
-         if (cycles == first_cycles .and. .not. time < beat .and. all(before_first < very_closely*abs(rate))) &
-            change = cautious*abs(rate)
+         if (cycles == first_cycles .and. allocated(early)) then
+            if (agrees_early()) change = cautious*abs(rate)
+         end if
          if (.not. time < period) change = 0
          growth = growth_type(rate=rate, error=maxval(change) + neutral/time, time=time)
          growth%sure = confirmed .and. abs(rate) > surely*growth%error .and. .not. time < min(beat, period)
@@ -107,6 +121,24 @@ contains
          if (growth%error < small .and. .not. time < beat) exit
          cycles = 2*cycles
       end do
+
+   contains
+
+      !> Whether the rates over half and a quarter of the first part are those of the first part.
+      logical function agrees_early()
+         real(dp) :: half, quarter
+
+         monodromy%transposed = early(:, :, 2)
+         half = (log_largest(monodromy) + early_scale(2))/early_time(2)
+         agrees_early = abs(rate - half) < very_closely(2)*abs(rate)
+         if (agrees_early) then
+            monodromy%transposed = early(:, :, 1)
+            quarter = (log_largest(monodromy) + early_scale(1))/early_time(1)
+            agrees_early = abs(half - quarter) < very_closely(1)*abs(rate)
+         end if
+         monodromy%transposed = product
+      end function agrees_early
+
    end subroutine find_growth
 
    !> The rate over the time of a growth, of a motion with other contact events [1/dimensionless time].

@@ -66,6 +66,8 @@ module geartrain_trace_adaptive_corrector
       !> The shorter and the longer winding, and the weight of the shorter.
       type(winding_type), private :: winding(2)
       integer, private :: weight = least_weight
+      !> The weight that is enough for the places of the harmonics where no teeth part.
+      integer, private :: weight_in_contact = least_weight
       !> Error of the latest solution point by the shorter winding, relative to the motion [1].
       real(dp), private :: off_winding = 0
       !> Evaluations of the balance at the latest error estimate; -1: none yet.
@@ -87,7 +89,7 @@ contains
       integer, intent(in), optional :: set(:)
       type(system_type), pointer :: system
       integer :: samples
-      logical :: chosen
+      logical :: chosen, parts, winds
 
       system => self%system
       if (allocated(self%corrector%balance%path)) then
@@ -103,10 +105,12 @@ contains
       associate (own => self%settings)
          if (chosen) then
             ! A short winding is enough again where no teeth part.
-            if (allocated(self%corrector%balance%contact)) then
-               if (.not. self%corrector%balance%parts()) self%weight = least_weight
-            end if
-            if (self%winds(set)) then
+            parts = .false.
+            if (allocated(self%corrector%balance%contact)) parts = self%corrector%balance%parts()
+            if (.not. parts) self%weight = self%weight_in_contact
+            winds = self%winds(set)
+            if (.not. parts) self%weight_in_contact = self%weight
+            if (winds) then
                call self%corrector%balance%setup(system, harmonics, own%subharmonic, samples, set, own%repeats, self%winding(1))
                call self%exact%setup(system, harmonics, own%subharmonic, samples, set, own%repeats, self%winding(2))
             else
