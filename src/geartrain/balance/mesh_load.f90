@@ -54,7 +54,7 @@ contains
       integer, intent(in) :: mesh
       !> Period of the motions [periods of the fundamental].
       integer, intent(in) :: eta
-      !> Winding whose samples are taken in place of those of the period; without cycles: none.
+      !> Winding to sample; without cycles the period is sampled.
       type(winding_type), intent(in) :: winding
       !> Planned for as many samples as a period has; overwritten.
       type(transform_type), intent(inout) :: transform

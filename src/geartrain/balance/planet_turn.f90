@@ -6,8 +6,8 @@
 !> number of planets the motions in which each planet moves with the other sign than the one before are a part by themselves.
 !>
 !> A motion on the torus of the phases of several sources of excitation may have this symmetry for each of several sets, each with
-!> a shift of the phase of its own meshes alone. A harmonic is shifted by its number of this source. In what is no part of a set a
-!> harmonic that the shift would change has no amplitude.
+!> a shift of the phase of its own meshes alone. The shift turns a harmonic by the number of this source in it. A mesh outside the
+!> set has no amplitude at harmonics that the shift would change.
 module geartrain_balance_planet_turn
    use geartrain_balance_fixed_space, only: average_equal, mean_equations
    use geartrain_balance_winding, only: winding_type
@@ -26,7 +26,7 @@ module geartrain_balance_planet_turn
 
    !> A set whose planets move so.
    type :: set_type
-      !> Planets of the set before that of an unknown; -1: the unknown is no part of it, (unknown).
+      !> Number of the planet of each unknown, from 0; -1: the unknown is not in the set, (unknown).
       integer, allocatable :: place(:)
       !> Shift from planet to planet [rad of Lambda], and order of the source whose phase alone it is; 0: a shift in time.
       real(dp) :: shift = 0
